@@ -1,0 +1,179 @@
+#include "src/base/file.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static enum ap_status no_memory(struct ap_error *err) {
+    return ap_fail(err, AP_ENVIRONMENT, "out of memory");
+}
+
+static char *part_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    int dir_len = slash ? (int)(slash - path) + 1 : 0;
+    size_t size = strlen(path) + sizeof "..XXXXXX.part";
+    char *part = malloc(size);
+    if (part)
+        snprintf(part, size, "%.*s.%s.XXXXXX.part", dir_len, path, path + dir_len);
+    return part;
+}
+
+enum ap_status ap_outfile_open(struct ap_error *err, const char *path, struct ap_outfile *out) {
+    struct ap_outfile file = {.path = strdup(path), .part = part_name(path)};
+    int fd = -1;
+    enum ap_status st = AP_OK;
+    if (!file.path || !file.part) {
+        st = no_memory(err);
+        goto out;
+    }
+    fd = mkstemps(file.part, sizeof ".part" - 1);
+    if (fd < 0) {
+        st = ap_fail(err, AP_ENVIRONMENT, "%s: cannot be written: %s", path, strerror(errno));
+        goto out;
+    }
+    // mkstemps makes it 0600; a capture is for others to read too, as the umask says.
+    mode_t mask = umask(0);
+    umask(mask);
+    fchmod(fd, 0666 & ~mask);
+    file.stream = fdopen(fd, "wb");
+    if (!file.stream) {
+        st = no_memory(err);
+        goto out;
+    }
+    *out = file;
+    return AP_OK;
+out:
+    if (fd >= 0) {
+        close(fd);
+        unlink(file.part);
+    }
+    free(file.path);
+    free(file.part);
+    return st;
+}
+
+static void forget(struct ap_outfile *file) {
+    free(file->path);
+    free(file->part);
+    *file = (struct ap_outfile){0};
+}
+
+enum ap_status ap_outfile_commit(struct ap_error *err, struct ap_outfile *file) {
+    bool failed = ferror(file->stream) != 0;
+    int why = errno;
+    if (fflush(file->stream) != 0) {
+        failed = true;
+        why = errno;
+    }
+    if (fclose(file->stream) != 0 && !failed) {
+        failed = true;
+        why = errno;
+    }
+    if (!failed && rename(file->part, file->path) != 0) {
+        failed = true;
+        why = errno;
+    }
+    enum ap_status st = AP_OK;
+    if (failed) {
+        unlink(file->part);
+        st = ap_fail(err, AP_ENVIRONMENT, "%s: cannot be written: %s", file->path,
+                     why ? strerror(why) : "write error (is the disk full?)");
+    }
+    forget(file);
+    return st;
+}
+
+void ap_outfile_abort(struct ap_outfile *file) {
+    if (!file->stream)
+        return;
+    fclose(file->stream);
+    unlink(file->part);
+    forget(file);
+}
+
+enum ap_status ap_file_write(struct ap_error *err, const char *path, const void *bytes,
+                             size_t len) {
+    struct ap_outfile file;
+    enum ap_status st = ap_outfile_open(err, path, &file);
+    if (st)
+        return st;
+    fwrite(bytes, 1, len, file.stream);
+    return ap_outfile_commit(err, &file);
+}
+
+enum ap_status ap_file_read(struct ap_error *err, const char *path, size_t max_len, char **bytes,
+                            size_t *len) {
+    FILE *f = fopen(path, "rb");
+    if (!f)
+        return ap_fail(err, AP_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+    enum ap_status st = AP_OK;
+    size_t n = 0, room = 0;
+    char *buffer = NULL;
+    for (;;) {
+        if (n + 1 >= room) {
+            room = room ? room * 2 : 65536;
+            char *more = realloc(buffer, room);
+            if (!more) {
+                st = no_memory(err);
+                goto out;
+            }
+            buffer = more;
+        }
+        size_t got = fread(buffer + n, 1, room - n - 1, f);
+        n += got;
+        if (n > max_len) {
+            st = ap_fail(err, AP_INPUT, "%s: larger than %zu bytes", path, max_len);
+            goto out;
+        }
+        if (got == 0)
+            break;
+    }
+    if (ferror(f)) {
+        st = ap_fail(err, AP_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+        goto out;
+    }
+    buffer[n] = '\0';
+    *bytes = buffer;
+    *len = n;
+    buffer = NULL;
+out:
+    free(buffer);
+    fclose(f);
+    return st;
+}
+
+enum ap_status ap_make_dirs(struct ap_error *err, const char *path) {
+    char *p = strdup(path);
+    if (!p)
+        return no_memory(err);
+    enum ap_status st = AP_OK;
+    for (char *c = p + 1; st == AP_OK; c++) {
+        if (*c != '/' && *c != '\0')
+            continue;
+        char kept = *c;
+        *c = '\0';
+        struct stat s;
+        if (mkdir(p, 0777) != 0 && !(stat(p, &s) == 0 && S_ISDIR(s.st_mode)))
+            st = ap_fail(err, AP_ENVIRONMENT, "%s: the folder cannot be made: %s", p,
+                         strerror(errno));
+        *c = kept;
+        if (kept == '\0')
+            break;
+    }
+    free(p);
+    return st;
+}
+
+bool ap_file_exists(const char *path) { return access(path, F_OK) == 0; }
+
+char *ap_path_join(const char *dir, const char *name) {
+    size_t n = strlen(dir);
+    bool slash = n > 0 && dir[n - 1] == '/';
+    size_t size = n + strlen(name) + 2;
+    char *p = malloc(size);
+    if (p)
+        snprintf(p, size, "%s%s%s", dir, slash ? "" : "/", name);
+    return p;
+}

@@ -1,0 +1,32 @@
+#include "src/base/log.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static enum ap_log_level max_level = AP_LOG_INFO;
+static const char *prefix = "antipode";
+
+void ap_log_set_level(enum ap_log_level level) { max_level = level; }
+
+void ap_log_set_prefix(const char *p) { prefix = p; }
+
+void ap_log(enum ap_log_level level, const char *format, ...) {
+    static const char *const names[] = {"error: ", "warning: ", "", "debug: "};
+    if (level > max_level)
+        return;
+    char line[AP_ERROR_TEXT_MAX + 64];
+    int n = snprintf(line, sizeof line - 1, "%s: %s", prefix, names[level]);
+    if (n < 0)
+        return;
+    va_list args;
+    va_start(args, format);
+    int m = vsnprintf(line + n, sizeof line - 1 - (size_t)n, format, args);
+    va_end(args);
+    if (m < 0)
+        return;
+    size_t len = strlen(line);
+    line[len] = '\n';
+    // One write, so that lines from several threads and processes do not mix.
+    fwrite(line, 1, len + 1, stderr);
+}

@@ -1,0 +1,18 @@
+#ifndef ANTIPODE_BASE_LOG_H
+#define ANTIPODE_BASE_LOG_H
+
+#include "src/base/status.h"
+
+// Messages for people, a line each on standard error: "antipode: warning: …". Any thread; a line is
+// written whole. The runtime library, which lives in somebody else's process, sets its own prefix.
+enum ap_log_level { AP_LOG_ERROR, AP_LOG_WARNING, AP_LOG_INFO, AP_LOG_DEBUG };
+
+void ap_log(enum ap_log_level level, const char *format, ...) AP_PRINTF(2, 3);
+
+// Messages above this level are dropped (default AP_LOG_INFO). Call before other threads start.
+void ap_log_set_level(enum ap_log_level level);
+
+// A string that outlives the process's logging (a literal). Default "antipode".
+void ap_log_set_prefix(const char *prefix);
+
+#endif

@@ -1,0 +1,69 @@
+#ifndef ANTIPODE_IMAGE_IMAGE_H
+#define ANTIPODE_IMAGE_IMAGE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "src/base/status.h"
+
+// 8-bit RGB pictures, sRGB, row 0 at the top. Pixel (i, j) has its centre at (i+½, j+½).
+struct ap_image {
+    uint32_t width, height;
+    uint8_t *rgb; // 3·width·height
+};
+
+// Zeroed (black) pixels. AP_ENVIRONMENT without memory; AP_INPUT for a size of 0 or over 32768.
+enum ap_status ap_image_create(struct ap_error *err, uint32_t width, uint32_t height,
+                               struct ap_image *image);
+void ap_image_finish(struct ap_image *image);
+
+// PNG through ap_outfile: whole or not at all. The bytes depend on the pixels only. Any thread.
+enum ap_status ap_png_write(struct ap_error *err, const char *path, const struct ap_image *image);
+
+// From rows of 4-byte pixels, without a copy of the picture: R,G,B at the byte offsets 0,1,2 (or
+// 2,1,0 where bgra).
+struct ap_pixels {
+    const uint8_t *bytes;
+    uint32_t width, height;
+    size_t stride;
+    bool bgra;
+};
+enum ap_status ap_png_write_pixels(struct ap_error *err, const char *path,
+                                   const struct ap_pixels *pixels);
+
+enum ap_status ap_png_read(struct ap_error *err, const char *path, struct ap_image *image);
+
+// sRGB byte ↔ linear light 0…1.
+double ap_linear_from_srgb(uint8_t v);
+uint8_t ap_srgb_from_linear(double v);
+
+// Side by side; red-cyan (left eye red, half-colour, in linear light); a sheet of n equally large
+// cells, `columns` wide. Inputs of one size, else AP_INPUT.
+enum ap_status ap_image_side_by_side(struct ap_error *err, const struct ap_image *left,
+                                     const struct ap_image *right, struct ap_image *out);
+enum ap_status ap_image_anaglyph(struct ap_error *err, const struct ap_image *left,
+                                 const struct ap_image *right, struct ap_image *out);
+enum ap_status ap_image_contact_sheet(struct ap_error *err, const struct ap_image *cells, size_t n,
+                                      uint32_t columns, uint32_t gap_px, struct ap_image *out);
+
+// Box-filtered in linear light to the given size (not larger than the source).
+enum ap_status ap_image_shrink(struct ap_error *err, const struct ap_image *in, uint32_t width,
+                               uint32_t height, struct ap_image *out);
+
+// Where a disc of one colour is, to a fraction of a pixel: the centroid of its coverage, computed
+// in linear light against the background found around it. Searches inside the given box only.
+struct ap_blob_query {
+    uint8_t color[3];                      // as written in the scene
+    double min_i, max_i, min_j, max_j;     // where to look, pixels (clamped to the picture)
+};
+struct ap_blob {
+    double i, j;        // centroid, pixels
+    double area_px;     // sum of coverage
+    bool touches_edge;  // of the picture
+};
+// False: no pixel of that colour.
+bool ap_find_blob(const struct ap_image *image, const struct ap_blob_query *query,
+                  struct ap_blob *blob);
+
+#endif

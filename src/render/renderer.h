@@ -1,0 +1,58 @@
+#ifndef ANTIPODE_RENDER_RENDERER_H
+#define ANTIPODE_RENDER_RENDERER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "src/gpu/gpu.h"
+#include "src/scene/scene.h"
+#include "src/view/view.h"
+
+// Draws a scene for both eyes with Vulkan: nose-from-object matrices made in double on the CPU, the
+// log map per vertex on the GPU (no inverse or hyperbolic built-ins), one pass for both eyes where
+// multiview is there, 4 samples a pixel or more, resolved in linear light (an sRGB target).
+
+struct ap_renderer;
+
+struct ap_renderer_params {
+    VkFormat color_format; // an sRGB format, or the result is written linear
+    uint32_t width, height; // of one eye; both eyes are drawn at one size
+    uint32_t samples;       // 0: 4
+    bool no_multiview;      // for the test that proves the two ways equal
+};
+
+enum ap_status ap_renderer_create(struct ap_error *err, const struct ap_gpu *gpu,
+                                  const struct ap_scene *scene,
+                                  const struct ap_renderer_params *params,
+                                  struct ap_renderer **renderer);
+void ap_renderer_destroy(struct ap_renderer *renderer);
+
+// What moves from frame to frame.
+struct ap_frame_input {
+    struct ap_viewer viewer;
+    bool hand_tracked[2]; // left, right: parts of a hand that is not tracked are not drawn
+    struct ap_iso world_from_hand[2];
+};
+
+struct ap_eye_stats {
+    uint32_t draws;             // parts·images drawn that this eye may see
+    uint32_t culled;            // parts·images that it cannot see
+    uint32_t back_draws;        // of `draws`, those of s3's back hemisphere
+    uint64_t triangles, vertices; // mapped for it
+};
+struct ap_frame_stats {
+    struct ap_eye_stats eye[2];
+};
+
+// Draws into two images (or two layers of one): image + array layer per eye, created with
+// COLOR_ATTACHMENT usage, in any layout; left in COLOR_ATTACHMENT_OPTIMAL. Submits to gpu->queue and
+// does not wait. The images stay in use by the queue until it is idle or the next two frames end.
+struct ap_target {
+    VkImage image[2];
+    uint32_t layer[2];
+};
+enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *renderer,
+                                const struct ap_frame_input *input,
+                                const struct ap_target *target, struct ap_frame_stats *stats);
+
+#endif

@@ -1,0 +1,83 @@
+#ifndef ANTIPODE_SCENE_SCENE_H
+#define ANTIPODE_SCENE_SCENE_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "src/base/status.h"
+#include "src/geom/isometry.h"
+
+// What is in the world: a flat list of parts. Everything in a scene file (balls, sticks, polygons,
+// models, the table, the hands, the cue) becomes parts, each one mesh under one isometry, so that
+// the renderer knows five shapes and nothing of billiards.
+
+enum ap_part_kind {
+    AP_PART_BALL,    // geodesic ball of radius_m about the part's base point
+    AP_PART_STICK,   // points within radius_m of the geodesic segment, along the part's −z…+z:
+                     // centred, length_m; radius tapers from radius_m (−z end) to radius2_m
+    AP_PART_POLYGON, // regular geodesic polygon in the part's x–z plane, +y its face; edge 0's
+                     // midpoint toward −z; seen from both sides
+    AP_PART_SOLID,   // triangles given as tangent vectors at the part's place, then exp
+};
+
+// What carries a part: its place is carrier_from_part, relative to the world or to a tracked device
+// whose virtual pose changes every frame.
+enum ap_carrier { AP_CARRIER_WORLD, AP_CARRIER_LEFT, AP_CARRIER_RIGHT };
+
+// A shared triangle mesh in metres (tangent vectors), outward normals, three indices a triangle.
+struct ap_solid {
+    float *positions; // 3·vertex_count
+    float *normals;   // 3·vertex_count
+    unsigned *indices;
+    size_t vertex_count, index_count;
+    double reach_m; // largest |position|
+};
+
+struct ap_part {
+    enum ap_part_kind kind;
+    enum ap_carrier carrier;
+    struct ap_iso carrier_from_part;
+    double radius_m, radius2_m, length_m; // ball; stick
+    int sides;                            // polygon
+    double edge_m;
+    int solid;            // index into scene->solids
+    double color_srgb[3]; // 0…1, as written in the file; unlit parts show exactly this
+    bool lit;
+    bool hidden;          // not drawn (a hand that is not tracked is handled by the renderer)
+    char name[64];        // target name, or ""
+    bool target;          // an unlit ball with a colour used once
+    int object;           // index of the scene object it came from
+};
+
+struct ap_scene {
+    struct ap_space space;
+    double background_srgb[3];
+    struct ap_part *parts;
+    size_t part_count;
+    struct ap_solid *solids;
+    size_t solid_count;
+    bool has_table;   // a {"table": {}} object: the room has a physical table
+    double table_edge_m, table_height_m;
+    struct ap_vec4 lamp; // where lit parts are lit from (world)
+};
+
+struct ap_scene_params {
+    const char *space_name;  // NULL: the file's, else h3
+    double radius_m;         // 0: the file's, else the table's for table_edge_m (s3, h3), else 1
+    double table_edge_m;     // 0: 0.9, or what radius_m says
+    double table_height_m;   // 0: 0.75
+};
+
+// From a scene file. AP_INPUT names the place ("room.json: /objects/3/ball/radius_m: …").
+// Command line (params) before file before defaults.
+enum ap_status ap_scene_read(struct ap_error *err, const char *path,
+                             const struct ap_scene_params *params, struct ap_scene **scene);
+
+// The billiards room: table, tiling of its plane, sixteen balls, cue, hands, lamps (targets).
+enum ap_status ap_scene_billiards(struct ap_error *err, const struct ap_scene_params *params,
+                                  struct ap_scene **scene);
+
+void ap_scene_destroy(struct ap_scene *scene);
+
+#endif
