@@ -1,0 +1,24 @@
+#ifndef ANTIPODE_APP_PAGE_H
+#define ANTIPODE_APP_PAGE_H
+
+#include "src/app/vergence.h"
+
+// Writes, from the left/right PNGs of the captured frames: NNNNNN-sbs.png, NNNNNN-anaglyph.png and
+// contact.png. Frames whose pictures are missing (an interrupted run) are passed over. done/total
+// count up for a progress bar; progress may be NULL.
+struct ap_progress {
+    void (*step)(void *data, int64_t done, int64_t total);
+    void *data;
+};
+enum ap_status ap_pictures_write(struct ap_error *err, const struct ap_capture *capture,
+                                 const struct ap_progress *progress);
+
+// DIR/index.html: self-contained (pictures and plots inside as data URIs), a page a person enjoys.
+enum ap_status ap_page_write(struct ap_error *err, const struct ap_capture *capture,
+                             const struct ap_vergence_row *rows, size_t count);
+
+// One page over several captures (the demo's h3, s3 and e3), with the three trackers side by side.
+enum ap_status ap_tour_page_write(struct ap_error *err, const char *path,
+                                  const struct ap_capture *captures, size_t count);
+
+#endif
