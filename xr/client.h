@@ -8,8 +8,8 @@
 #include "src/base/status.h"
 #include "src/geom/pose.h"
 
-// An OpenXR client, for any runtime: instance, system, session states, reference spaces, swapchains,
-// views, and actions for both hands. It knows no scene and no runtime. One thread.
+// An OpenXR client, for any runtime: instance, system, session states, reference spaces,
+// swapchains, views, and actions for both hands. It knows no scene and no runtime. One thread.
 
 struct ap_xr;
 
@@ -18,10 +18,10 @@ struct ap_xr_params {
     bool prefer_rgba;        // else the runtime's first sRGB format
 };
 
-// Chooses the Vulkan device by XR_KHR_vulkan_enable2 (or _enable), creates session, STAGE, LOCAL and
-// VIEW spaces (LOCAL stands in where there is no STAGE, ap_xr_has_stage tells),
-// actions and one array swapchain of two layers (or two swapchains). AP_ENVIRONMENT says what to do:
-// no loader, no runtime, no Vulkan device…
+// Chooses the Vulkan device by XR_KHR_vulkan_enable2 (or _enable), creates session, STAGE, LOCAL
+// and VIEW spaces (LOCAL stands in where there is no STAGE, ap_xr_has_stage tells), actions and one
+// array swapchain of two layers (or two swapchains). AP_ENVIRONMENT says what to do: no loader, no
+// runtime, no Vulkan device…
 enum ap_status ap_xr_create(struct ap_error *err, const struct ap_xr_params *params,
                             struct ap_xr **xr);
 // Ends the session cleanly where it still runs; accepts NULL.
@@ -80,8 +80,7 @@ struct ap_xr_frame {
 
 // xrWaitFrame, xrBeginFrame, sync actions, locate everything at the display time. Every begun frame
 // is owed one ap_xr_end_frame.
-enum ap_status ap_xr_begin_frame(struct ap_error *err, struct ap_xr *xr,
-                                 struct ap_xr_frame *frame);
+enum ap_status ap_xr_begin_frame(struct ap_error *err, struct ap_xr *xr, struct ap_xr_frame *frame);
 
 // The images to draw into, only where should_render; acquire waits for them.
 struct ap_xr_images {

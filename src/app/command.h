@@ -6,8 +6,8 @@
 
 #include "src/base/status.h"
 
-// The program's subcommands: a table in main.c, one file each. Options are declared in a table, from
-// which the parser, --help and the shell completion are made, so that they cannot disagree.
+// The program's subcommands: a table in main.c, one file each. Options are declared in a table,
+// from which the parser, --help and the shell completion are made, so that they cannot disagree.
 
 enum ap_option_kind {
     AP_OPTION_FLAG,   // bool *
@@ -17,7 +17,7 @@ enum ap_option_kind {
 };
 
 struct ap_option {
-    const char *name;   // without "--"
+    const char *name; // without "--"
     enum ap_option_kind kind;
     void *target;       // holds the default; untouched where the option is absent
     const char *values; // what stands for the value in --help ("M", "FILE", "h3|s3|e3")
@@ -25,9 +25,9 @@ struct ap_option {
 };
 
 struct ap_usage {
-    const char *command;   // "track"
-    const char *operands;  // "LOG…", "" for none
-    const char *text;      // paragraphs for --help: what it does, what it writes, exit statuses
+    const char *command;  // "track"
+    const char *operands; // "LOG…", "" for none
+    const char *text;     // paragraphs for --help: what it does, what it writes, exit statuses
     const struct ap_option *options;
     size_t option_count;
     int min_operands, max_operands; // −1: any number
@@ -47,6 +47,6 @@ struct ap_command {
 };
 
 extern const struct ap_command ap_command_eval, ap_command_track, ap_command_walk,
-    ap_command_replay, ap_command_vergence, ap_command_play, ap_command_doctor;
+    ap_command_replay, ap_command_vergence, ap_command_page, ap_command_play, ap_command_doctor;
 
 #endif

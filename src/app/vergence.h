@@ -7,13 +7,13 @@
 // gnuplot, where it is installed; a warning where not).
 struct ap_vergence_row {
     int64_t frame;
-    int target;           // index into capture->targets
-    int image;            // 0; 1 where s3's long way round is what the eyes see
-    double true_m;        // along the geodesic
-    double exact_arcmin;  // NAN where undefined
+    int target;             // index into capture->targets
+    int image;              // 0; 1 where s3's long way round is what the eyes see
+    double true_m;          // along the geodesic
+    double exact_arcmin;    // NAN where undefined
     double measured_arcmin; // NAN where cut or hidden
     double error_px;
-    double inferred_m;    // INFINITY where vergence ≤ 0
+    double inferred_m; // INFINITY where vergence ≤ 0
 };
 
 // *rows malloc'ed, the caller frees.

@@ -166,7 +166,9 @@ enum ap_status ap_make_dirs(struct ap_error *err, const char *path) {
     return st;
 }
 
-bool ap_file_exists(const char *path) { return access(path, F_OK) == 0; }
+bool ap_file_exists(const char *path) {
+    return access(path, F_OK) == 0;
+}
 
 char *ap_path_join(const char *dir, const char *name) {
     size_t n = strlen(dir);

@@ -31,8 +31,7 @@ struct ap_json_at ap_json_root(const json_t *root, const char *file) {
 }
 
 struct ap_json_at ap_json_member(const struct ap_json_at *at, const char *key) {
-    return (struct ap_json_at){
-        .value = json_object_get(at->value, key), .parent = at, .key = key};
+    return (struct ap_json_at){.value = json_object_get(at->value, key), .parent = at, .key = key};
 }
 
 struct ap_json_at ap_json_element(const struct ap_json_at *at, size_t index) {

@@ -7,9 +7,13 @@
 static enum ap_log_level max_level = AP_LOG_INFO;
 static const char *prefix = "antipode";
 
-void ap_log_set_level(enum ap_log_level level) { max_level = level; }
+void ap_log_set_level(enum ap_log_level level) {
+    max_level = level;
+}
 
-void ap_log_set_prefix(const char *p) { prefix = p; }
+void ap_log_set_prefix(const char *p) {
+    prefix = p;
+}
 
 void ap_log(enum ap_log_level level, const char *format, ...) {
     static const char *const names[] = {"error: ", "warning: ", "", "debug: "};

@@ -15,7 +15,7 @@
 struct ap_renderer;
 
 struct ap_renderer_params {
-    VkFormat color_format; // an sRGB format, or the result is written linear
+    VkFormat color_format;  // an sRGB format, or the result is written linear
     uint32_t width, height; // of one eye; both eyes are drawn at one size
     uint32_t samples;       // 0: 4
     bool no_multiview;      // for the test that proves the two ways equal
@@ -35,9 +35,9 @@ struct ap_frame_input {
 };
 
 struct ap_eye_stats {
-    uint32_t draws;             // parts·images drawn that this eye may see
-    uint32_t culled;            // parts·images that it cannot see
-    uint32_t back_draws;        // of `draws`, those of s3's back hemisphere
+    uint32_t draws;               // parts·images drawn that this eye may see
+    uint32_t culled;              // parts·images that it cannot see
+    uint32_t back_draws;          // of `draws`, those of s3's back hemisphere
     uint64_t triangles, vertices; // mapped for it
 };
 struct ap_frame_stats {
@@ -45,14 +45,15 @@ struct ap_frame_stats {
 };
 
 // Draws into two images (or two layers of one): image + array layer per eye, created with
-// COLOR_ATTACHMENT usage, in any layout; left in COLOR_ATTACHMENT_OPTIMAL. Submits to gpu->queue and
-// does not wait. The images stay in use by the queue until it is idle or the next two frames end.
+// COLOR_ATTACHMENT usage, in any layout; left in COLOR_ATTACHMENT_OPTIMAL. Submits to gpu->queue
+// and does not wait. The images stay in use by the queue until it is idle or the next two frames
+// end.
 struct ap_target {
     VkImage image[2];
     uint32_t layer[2];
 };
 enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *renderer,
-                                const struct ap_frame_input *input,
-                                const struct ap_target *target, struct ap_frame_stats *stats);
+                                const struct ap_frame_input *input, const struct ap_target *target,
+                                struct ap_frame_stats *stats);
 
 #endif
