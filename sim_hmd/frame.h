@@ -1,0 +1,104 @@
+#ifndef ANTIPODE_SIM_HMD_FRAME_H
+#define ANTIPODE_SIM_HMD_FRAME_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <vulkan/vulkan.h>
+
+#define XR_USE_GRAPHICS_API_VULKAN
+#include <openxr/openxr.h>
+#include <openxr/openxr_platform.h>
+
+#include "sim_hmd/settings.h"
+#include "src/base/status.h"
+#include "src/geom/pose.h"
+#include "src/gpu/gpu.h"
+
+// What xrEndFrame hands to the compositor: verified, resolved, no OpenXR handles left.
+
+enum { SIM_MAX_LAYERS = 16 };
+
+// One eye's part of a projection layer. The image is released by the program, so it is in
+// VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL and must be in it again afterwards; its usage includes
+// TRANSFER_SRC and SAMPLED. The queue's earlier submissions write it: a submission on the same
+// queue with a barrier sees them.
+struct sim_layer_view {
+    VkImage image;
+    VkFormat format;
+    uint32_t width_px, height_px; // of the whole image
+    uint32_t samples;             // 1, 2, 4…
+    uint32_t array_layer;
+    XrRect2Di rect;                 // inside the image
+    struct ap_pose stage_from_view; // as submitted, resolved into STAGE
+    XrPosef submitted_pose;         // as submitted, in its own space
+    XrFovf fov;
+    // The pose is the display's pose of that eye to float rounding and the fov is its very floats:
+    // with a rect of the eye's resolution the picture is copied bit for bit.
+    bool at_display;
+};
+
+struct sim_layer {
+    bool blend_alpha;     // XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT
+    bool unpremultiplied; // XR_COMPOSITION_LAYER_UNPREMULTIPLIED_ALPHA_BIT
+    struct sim_layer_view view[2];
+};
+
+struct sim_frame {
+    int64_t index; // k: frames since the session began
+    XrTime display_time;
+    bool capture;                     // the settings ask for this frame's pictures
+    struct ap_pose stage_from_eye[2]; // the display's
+    XrFovf fov[2];
+    uint32_t layer_count; // 0: black
+    struct sim_layer layer[SIM_MAX_LAYERS];
+};
+
+// The compositor: owned by the session, called from one thread at a time (the runtime's lock is
+// held), inside xrEndFrame, when the runtime may use the program's queue. Its file
+// sim_hmd/compositor.c.
+struct sim_compositor;
+
+// gpu and settings outlive it. Makes the capture folder and starts the window as the settings ask.
+enum ap_status sim_compositor_create(struct ap_error *err, const struct ap_gpu *gpu,
+                                     const struct sim_settings *settings,
+                                     struct sim_compositor **compositor);
+
+// Composes, captures where frame->capture, shows in the window. May return before the pictures are
+// on disk (writer threads), but not before it is done with the program's images. A writer's failure
+// (full disk…) is returned by the next call.
+enum ap_status sim_compositor_frame(struct ap_error *err, struct sim_compositor *compositor,
+                                    const struct sim_frame *frame);
+
+// True where the frame would be looked at (the window is open): shouldRender.
+bool sim_compositor_wants_frames(const struct sim_compositor *compositor);
+
+// Waits until every picture is on disk; reports what failed since the last call.
+enum ap_status sim_compositor_flush(struct ap_error *err, struct sim_compositor *compositor);
+
+// Flushes, joins writers, ends the window's process. Accepts NULL.
+void sim_compositor_destroy(struct sim_compositor *compositor);
+
+// The window's keyboard and mouse, for poses {"window": true}. keys is what is held now.
+enum sim_key {
+    SIM_KEY_FORWARD = 1 << 0,     // W
+    SIM_KEY_BACK = 1 << 1,        // S
+    SIM_KEY_LEFT = 1 << 2,        // A
+    SIM_KEY_RIGHT = 1 << 3,       // D
+    SIM_KEY_UP = 1 << 4,          // E
+    SIM_KEY_DOWN = 1 << 5,        // Q
+    SIM_KEY_SLOW = 1 << 6,        // Shift
+    SIM_KEY_TRIGGER = 1 << 7,     // left mouse button, Space
+    SIM_KEY_SQUEEZE = 1 << 8,     // right mouse button
+    SIM_KEY_HAND_LEFT = 1 << 9,   // 1: the mouse moves the left hand
+    SIM_KEY_HAND_RIGHT = 1 << 10, // 2
+};
+struct sim_window_input {
+    uint32_t keys;
+    double mouse_x_px, mouse_y_px; // accumulated motion since the start (turns the head)
+    double wheel;                  // accumulated
+    bool closed;                   // the person closed the window: the program is asked to end
+};
+// False where there is no window.
+bool sim_compositor_input(const struct sim_compositor *compositor, struct sim_window_input *input);
+
+#endif

@@ -1,0 +1,43 @@
+#ifndef ANTIPODE_SIM_HMD_SETTINGS_H
+#define ANTIPODE_SIM_HMD_SETTINGS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "src/base/status.h"
+#include "src/device/headset.h"
+#include "src/device/poselog.h"
+#include "src/device/walk.h"
+
+// The simulated headset's settings: README.md's table. Read once, at xrCreateInstance.
+
+enum sim_poses { SIM_POSES_WALK, SIM_POSES_LOGS, SIM_POSES_WINDOW };
+enum sim_clock { SIM_CLOCK_REAL, SIM_CLOCK_VIRTUAL };
+
+struct sim_settings {
+    struct ap_headset_profile profile; // refresh_hz already overridden
+    enum sim_poses poses;
+    enum sim_clock clock;
+    char **logs; // "[role=]PATH", paths made absolute or relative to the process
+    size_t log_count;
+    bool z_up, skip_bad, has_table;
+    enum ap_head_frame head_frame;
+    double table_x_m, table_z_m, table_yaw_rad;
+    struct ap_walk_params walk;
+    int64_t frames; // 0: no limit
+    // Frames first ≤ k < end, (k − first) divisible by step; capture_dir NULL: no capture.
+    char *capture_dir;
+    int64_t capture_first, capture_end, capture_step;
+    bool window;
+};
+
+// path NULL: the defaults. AP_INPUT with the place in the file.
+enum ap_status sim_settings_read(struct ap_error *err, const char *path,
+                                 struct sim_settings *settings);
+void sim_settings_finish(struct sim_settings *settings);
+
+// True where the settings ask for this frame's pictures.
+bool sim_settings_captures(const struct sim_settings *settings, int64_t frame);
+
+#endif
