@@ -32,8 +32,9 @@ struct ap_xr_vulkan {
     VkPhysicalDevice physical_device;
     VkDevice device;
     uint32_t queue_family;
+    bool multiview; // the feature is enabled on the device
     VkFormat color_format;
-    uint32_t width_px, height_px; // of one eye's image
+    uint32_t width_px, height_px; // of the images: the larger of the eyes' sizes
 };
 struct ap_xr_vulkan ap_xr_vulkan(const struct ap_xr *xr);
 const char *ap_xr_runtime_name(const struct ap_xr *xr);
@@ -67,6 +68,7 @@ struct ap_xr_hand {
 struct ap_xr_view {
     struct ap_pose view_from_eye; // in VIEW
     double left_rad, right_rad, up_rad, down_rad;
+    uint32_t width_px, height_px; // its part of the image, from the image's top left corner
 };
 
 struct ap_xr_frame {

@@ -1,0 +1,190 @@
+#include "xr/internal.h"
+
+#include <stdlib.h>
+
+struct ap_pose ap_pose_from_xr(XrPosef pose) {
+    struct ap_quat q = {pose.orientation.x, pose.orientation.y, pose.orientation.z,
+                        pose.orientation.w};
+    return (struct ap_pose){{pose.position.x, pose.position.y, pose.position.z},
+                            ap_quat_normalize(q)};
+}
+
+enum ap_status ap_xr_locate(struct ap_error *err, struct ap_xr *xr, XrSpace space, XrTime time,
+                            struct ap_xr_located *located) {
+    XrSpaceLocation at = {.type = XR_TYPE_SPACE_LOCATION};
+    enum ap_status st =
+        ap_xr_check(err, xr, xrLocateSpace(space, xr->stage, time, &at), "xrLocateSpace");
+    if (st)
+        return st;
+    const XrSpaceLocationFlags valid =
+        XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
+    const XrSpaceLocationFlags tracked =
+        XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
+    *located = (struct ap_xr_located){.pose = AP_POSE_IDENTITY};
+    located->valid = (at.locationFlags & valid) == valid;
+    located->tracked = located->valid && (at.locationFlags & tracked) == tracked;
+    if (located->valid)
+        located->pose = ap_pose_from_xr(at.pose);
+    return AP_OK;
+}
+
+enum ap_status ap_xr_create(struct ap_error *err, const struct ap_xr_params *params,
+                            struct ap_xr **out) {
+    struct ap_xr *xr = calloc(1, sizeof *xr);
+    if (!xr)
+        return ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    enum ap_status st = ap_xr_instance_create(err, params, xr);
+    if (!st)
+        st = ap_xr_vulkan_create(err, xr);
+    if (!st)
+        st = ap_xr_session_create(err, xr);
+    if (!st)
+        st = ap_xr_swapchains_create(err, params, xr);
+    if (!st)
+        st = ap_xr_actions_create(err, xr);
+    if (st)
+        ap_xr_destroy(xr);
+    else
+        *out = xr;
+    return st;
+}
+
+void ap_xr_destroy(struct ap_xr *xr) {
+    if (!xr)
+        return;
+    if (xr->vk_device)
+        vkDeviceWaitIdle(xr->vk_device);
+    // Children go with their parents: spaces and swapchains with the session, actions with the set.
+    if (xr->session)
+        xrDestroySession(xr->session);
+    if (xr->actions.set)
+        xrDestroyActionSet(xr->actions.set);
+    if (xr->vk_device)
+        vkDestroyDevice(xr->vk_device, NULL);
+    if (xr->vk_instance)
+        vkDestroyInstance(xr->vk_instance, NULL);
+    if (xr->instance)
+        xrDestroyInstance(xr->instance);
+    free(xr);
+}
+
+struct ap_xr_vulkan ap_xr_vulkan(const struct ap_xr *xr) {
+    return (struct ap_xr_vulkan){.instance = xr->vk_instance,
+                                 .physical_device = xr->vk_physical,
+                                 .device = xr->vk_device,
+                                 .queue_family = xr->queue_family,
+                                 .multiview = xr->multiview,
+                                 .color_format = xr->format,
+                                 .width_px = xr->width,
+                                 .height_px = xr->height};
+}
+
+const char *ap_xr_runtime_name(const struct ap_xr *xr) {
+    return xr->runtime_name;
+}
+
+const char *ap_xr_system_name(const struct ap_xr *xr) {
+    return xr->system_name;
+}
+
+bool ap_xr_has_stage(const struct ap_xr *xr) {
+    return xr->has_stage;
+}
+
+static enum ap_status locate_views(struct ap_error *err, struct ap_xr *xr, XrTime time,
+                                   struct ap_xr_view views[2]) {
+    XrViewLocateInfo info = {.type = XR_TYPE_VIEW_LOCATE_INFO,
+                             .viewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO,
+                             .displayTime = time,
+                             .space = xr->view};
+    XrViewState state = {.type = XR_TYPE_VIEW_STATE};
+    XrView located[2] = {{.type = XR_TYPE_VIEW}, {.type = XR_TYPE_VIEW}};
+    uint32_t count = 0;
+    enum ap_status st = ap_xr_check(
+        err, xr, xrLocateViews(xr->session, &info, &state, 2, &count, located), "xrLocateViews");
+    if (st)
+        return st;
+    for (int i = 0; i < 2; i++) {
+        const XrFovf *fov = &located[i].fov;
+        views[i] = (struct ap_xr_view){.view_from_eye = ap_pose_from_xr(located[i].pose),
+                                       .left_rad = fov->angleLeft,
+                                       .right_rad = fov->angleRight,
+                                       .up_rad = fov->angleUp,
+                                       .down_rad = fov->angleDown,
+                                       .width_px = xr->config[i].recommendedImageRectWidth,
+                                       .height_px = xr->config[i].recommendedImageRectHeight};
+    }
+    return AP_OK;
+}
+
+static enum ap_status locate_all(struct ap_error *err, struct ap_xr *xr,
+                                 struct ap_xr_frame *frame) {
+    enum ap_status st = ap_xr_locate(err, xr, xr->view, frame->time_ns, &frame->head);
+    if (!st)
+        st = locate_views(err, xr, frame->time_ns, frame->view);
+    return st ? st : ap_xr_actions_read(err, xr, frame->time_ns, frame->hand);
+}
+
+enum ap_status ap_xr_begin_frame(struct ap_error *err, struct ap_xr *xr, struct ap_xr_frame *out) {
+    XrFrameWaitInfo wait = {.type = XR_TYPE_FRAME_WAIT_INFO};
+    XrFrameState state = {.type = XR_TYPE_FRAME_STATE};
+    enum ap_status st =
+        ap_xr_check(err, xr, xrWaitFrame(xr->session, &wait, &state), "xrWaitFrame");
+    if (st)
+        return st;
+    XrFrameBeginInfo begin = {.type = XR_TYPE_FRAME_BEGIN_INFO};
+    st = ap_xr_check(err, xr, xrBeginFrame(xr->session, &begin), "xrBeginFrame");
+    if (st)
+        return st;
+    struct ap_xr_frame frame = {.time_ns = state.predictedDisplayTime,
+                                .period_ns = state.predictedDisplayPeriod,
+                                .should_render = state.shouldRender == XR_TRUE};
+    st = locate_all(err, xr, &frame);
+    if (!st)
+        *out = frame;
+    return st;
+}
+
+static enum ap_status release_images(struct ap_error *err, struct ap_xr *xr) {
+    enum ap_status st = AP_OK;
+    for (int i = 0; !st && i < xr->swapchain_count; i++) {
+        XrSwapchainImageReleaseInfo info = {.type = XR_TYPE_SWAPCHAIN_IMAGE_RELEASE_INFO};
+        st = ap_xr_check(err, xr, xrReleaseSwapchainImage(xr->swapchain[i].handle, &info),
+                         "xrReleaseSwapchainImage");
+    }
+    return st;
+}
+
+enum ap_status ap_xr_end_frame(struct ap_error *err, struct ap_xr *xr,
+                               const struct ap_xr_frame *frame) {
+    bool drawn = xr->drawing;
+    xr->drawing = false;
+    if (drawn) {
+        enum ap_status st = release_images(err, xr);
+        if (st)
+            return st;
+    }
+    XrCompositionLayerProjectionView views[2];
+    for (int i = 0; i < 2; i++) {
+        bool array = xr->swapchain_count == 1;
+        views[i] = (XrCompositionLayerProjectionView){
+            .type = XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW,
+            .pose = xr->located[i].pose,
+            .fov = xr->located[i].fov,
+            .subImage = {.swapchain = xr->swapchain[array ? 0 : i].handle,
+                         .imageRect = {.extent = {(int32_t)frame->view[i].width_px,
+                                                  (int32_t)frame->view[i].height_px}},
+                         .imageArrayIndex = array ? (uint32_t)i : 0}};
+    }
+    XrCompositionLayerProjection layer = {.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION,
+                                          .space = xr->stage,
+                                          .viewCount = 2,
+                                          .views = views};
+    const XrCompositionLayerBaseHeader *layers[] = {(const XrCompositionLayerBaseHeader *)&layer};
+    XrFrameEndInfo end = {.type = XR_TYPE_FRAME_END_INFO,
+                          .displayTime = frame->time_ns,
+                          .environmentBlendMode = xr->blend,
+                          .layerCount = drawn ? 1 : 0,
+                          .layers = layers};
+    return ap_xr_check(err, xr, xrEndFrame(xr->session, &end), "xrEndFrame");
+}
