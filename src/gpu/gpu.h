@@ -23,6 +23,7 @@ struct ap_gpu {
     VkPhysicalDeviceProperties properties;
     VkCommandPool pool; // resettable; the owner's thread only
     bool owns_device;
+    VkDebugUtilsMessengerEXT messenger; // of ap_gpu_create_headless
 };
 
 // Borrows; creates only the command pool. AP_ENVIRONMENT with the VkResult's name.
@@ -31,7 +32,8 @@ enum ap_status ap_gpu_init(struct ap_error *err, VkInstance instance, VkPhysical
                            struct ap_gpu *gpu);
 
 // An instance and device of its own, no window system: for tests and `doctor`. validation: the
-// Khronos layer, whose messages are counted in *validation_errors (may be NULL) where it is there.
+// Khronos layer, whose errors are logged and counted in *validation_errors (may be NULL) where it
+// is there. A real GPU goes before a software one; multiview is enabled where the device has it.
 struct ap_gpu_headless_params {
     bool validation;
     int *validation_errors;
@@ -63,7 +65,7 @@ void ap_gpu_buffer_destroy(const struct ap_gpu *gpu, struct ap_gpu_buffer *buffe
 struct ap_gpu_image {
     VkImage image;
     VkDeviceMemory memory;
-    VkImageView view; // all layers, all mips
+    VkImageView view; // all layers, all mips; none for an image that is only copied
 };
 enum ap_status ap_gpu_image_create(struct ap_error *err, const struct ap_gpu *gpu,
                                    const VkImageCreateInfo *info, VkImageViewType view_type,
@@ -80,6 +82,8 @@ enum ap_status ap_gpu_commands_begin(struct ap_error *err, const struct ap_gpu *
 enum ap_status ap_gpu_commands_end(struct ap_error *err, const struct ap_gpu *gpu,
                                    VkCommandBuffer cmd);
 
+// A whole image (all mips and layers), after everything before and before everything after, the
+// host's reads included.
 void ap_gpu_barrier(VkCommandBuffer cmd, VkImage image, VkImageAspectFlags aspect,
                     VkImageLayout from, VkImageLayout to);
 
