@@ -1,6 +1,8 @@
 #ifndef ANTIPODE_GEOM_ISOMETRY_H
 #define ANTIPODE_GEOM_ISOMETRY_H
 
+#include <stddef.h>
+
 #include "src/geom/pose.h"
 #include "src/geom/space.h"
 #include "src/geom/vec.h"
@@ -36,6 +38,10 @@ struct ap_iso ap_iso_inverse(struct ap_space space, struct ap_iso m);
 
 // p_a in metres from p_b in metres.
 struct ap_vec4 ap_iso_apply(const struct ap_iso *a_from_b, struct ap_vec4 p_b);
+
+// The product of the translations of a walk, left to right, each step a tangent vector in metres in
+// the walker's own frame; no steps: the identity. Carried in double-double and rounded once.
+struct ap_iso ap_iso_walk(struct ap_space space, const struct ap_vec3 *steps_m, size_t count);
 
 // How far M is from the group: the largest entry of |Mᵀ·G·M − G| (e3: of the rotation block's
 // |RᵀR − I| and the last row's difference from (0, 0, 0, 1)).

@@ -19,8 +19,8 @@ struct ap_table_shape ap_table_from_edge(int kappa, double edge_m, double e3_rho
 // From the radius of s3 or h3: edge = rho·pi/2, rho·acosh((1+√5)/2).
 double ap_table_edge_of_radius(struct ap_space space);
 
-// world_from_edge = rotY(2·pi·(e mod n)/n)·translate(0, 0, −inradius): at the midpoint of edge e, −z
-// outward, −x counterclockwise along the edge (seen from above). e may be any integer.
+// world_from_edge = rotY(2·pi·(e mod n)/n)·translate(0, 0, −inradius): at the midpoint of edge e,
+// −z outward, −x counterclockwise along the edge (seen from above). e may be any integer.
 struct ap_iso ap_table_edge_frame(const struct ap_table_shape *table, long long edge);
 
 // Regular polygons in general: circumradius and inradius of a regular `sides`-gon of edge edge_m in

@@ -40,7 +40,9 @@ static inline struct ap_vec3 ap_vec3_cross(struct ap_vec3 a, struct ap_vec3 b) {
 }
 
 // Euclidean length without overflow or underflow on the way (within 1 ulp of hypot of hypot).
-static inline double ap_vec3_length(struct ap_vec3 v) { return hypot(hypot(v.x, v.y), v.z); }
+static inline double ap_vec3_length(struct ap_vec3 v) {
+    return hypot(hypot(v.x, v.y), v.z);
+}
 
 // The unit vector along v; v itself where it is zero.
 static inline struct ap_vec3 ap_vec3_normalize(struct ap_vec3 v) {

@@ -1,0 +1,170 @@
+#include "src/geom/map.h"
+
+#include "src/geom/arc.h"
+
+struct ap_vec4 ap_exp(struct ap_space space, struct ap_vec3 v) {
+    struct ap_vec4 flat = {v.x, v.y, v.z, space.rho_m};
+    if (space.kappa == 0)
+        return flat;
+    struct ap_arc arc = ap_arc_of(space, v);
+    struct ap_turn turn = ap_turn_of(space, arc.t);
+    flat.w = space.rho_m * turn.c;
+    if (arc.t.hi < 1e-8) // S = t to 2e-17 of it, and v has lost nothing
+        return flat;
+    double r = space.rho_m * turn.s;
+    return (struct ap_vec4){r * arc.unit.x, r * arc.unit.y, r * arc.unit.z, flat.w};
+}
+
+// asinh of |(x,y,z)|/rho, also where that overflows (a small radius and a far point).
+static double asinh_of_quotient(double n_m, double rho_m) {
+    double r = ap_quotient_dd(ap_dd_of(n_m), rho_m).hi;
+    return isfinite(r) ? asinh(r) : log(n_m) - log(rho_m / 2);
+}
+
+struct ap_vec3 ap_log_unchecked(struct ap_space space, struct ap_vec4 p, int image) {
+    struct ap_vec3 v = {p.x, p.y, p.z};
+    if (space.kappa == 0) {
+        double f = space.rho_m / p.w;
+        return f == 1 ? v : ap_vec3_scale(f, v);
+    }
+    struct ap_arc arc = ap_arc_of(space, v);
+    double n = ap_length_dd(v).hi, theta;
+    if (!(n > 0))
+        return v;
+    if (space.kappa < 0) {
+        theta = asinh_of_quotient(n, space.rho_m);
+    } else {
+        theta = atan2(n, p.w);
+        if (image) // 2·pi − theta, with what the double 2·pi lacks
+            theta = -((6.283185307179586 - theta) + 2.4492935982947064e-16);
+    }
+    if (fabs(theta) < 1e-8 && p.w > 0) // theta = r to 2e-17 of it
+        return space.kappa < 0 ? v : ap_vec3_scale(space.rho_m / p.w, v);
+    return ap_vec3_scale(theta * space.rho_m, arc.unit);
+}
+
+static bool is_finite(struct ap_vec4 p) {
+    return isfinite(p.x) && isfinite(p.y) && isfinite(p.z) && isfinite(p.w);
+}
+
+enum ap_status ap_point_check(struct ap_error *err, struct ap_space space, struct ap_vec4 p) {
+    const double tolerance = 1e-9, rho = space.rho_m;
+    const char *name = ap_space_name(space);
+    if (!is_finite(p))
+        return ap_fail(err, AP_INPUT, "the point (%g, %g, %g, %g) is not finite", p.x, p.y, p.z,
+                       p.w);
+    if (space.kappa < 0 && p.w <= 0)
+        return ap_fail(err, AP_INPUT, "the point is not on h3: its w is %.9g, must be above 0",
+                       p.w);
+    double n = ap_length_dd((struct ap_vec3){p.x, p.y, p.z}).hi, off, most;
+    if (space.kappa < 0) {
+        off = fabs(p.w - hypot(rho, n));
+        most = tolerance * p.w;
+    } else {
+        off = fabs((space.kappa > 0 ? hypot(n, p.w) : p.w) - rho);
+        most = tolerance * rho;
+    }
+    if (off <= most)
+        return AP_OK;
+    return ap_fail(err, AP_INPUT,
+                   "the point (%.17g, %.17g, %.17g, %.17g) is %.3g m off %s of radius %g m "
+                   "(allowed: %.3g m)",
+                   p.x, p.y, p.z, p.w, off, name, rho, most);
+}
+
+enum ap_status ap_log_map(struct ap_error *err, struct ap_space space, struct ap_vec4 p, int image,
+                          struct ap_vec3 *v_m) {
+    enum ap_status st = ap_point_check(err, space, p);
+    if (st)
+        return st;
+    if (image != 0 && (image != 1 || space.kappa <= 0))
+        return ap_fail(err, AP_INPUT, "%s has no image %d of a point (s3 has 0 and 1, others 0)",
+                       ap_space_name(space), image);
+    bool on_axis = p.x == 0 && p.y == 0 && p.z == 0;
+    if (on_axis && space.kappa > 0 && p.w < 0)
+        return ap_fail(err, AP_INPUT, "the antipode lies in every direction: its log is undefined");
+    if (on_axis && image == 1)
+        return ap_fail(err, AP_INPUT, "the long way round to the base point has no direction");
+    *v_m = ap_log_unchecked(space, p, image);
+    return AP_OK;
+}
+
+// The squared length of a×b, each product exact, so that nearly parallel vectors keep their angle.
+static double cross_length(struct ap_vec3 a, struct ap_vec3 b) {
+    return ap_vec3_length((struct ap_vec3){ap_dd_minor(a.y, b.z, a.z, b.y).hi,
+                                           ap_dd_minor(a.z, b.x, a.x, b.z).hi,
+                                           ap_dd_minor(a.x, b.y, a.y, b.x).hi});
+}
+
+static struct ap_dd dot_dd(struct ap_vec3 a, struct ap_vec3 b) {
+    struct ap_dd sum = ap_dd_add(ap_dd_two_product(a.x, b.x), ap_dd_two_product(a.y, b.y));
+    return ap_dd_add(sum, ap_dd_two_product(a.z, b.z));
+}
+
+// Coordinates in units near rho, by a power of two: no square overflows that need not.
+static struct ap_vec4 near_one(struct ap_vec4 p, int exponent) {
+    return (struct ap_vec4){ldexp(p.x, -exponent), ldexp(p.y, -exponent), ldexp(p.z, -exponent),
+                            ldexp(p.w, -exponent)};
+}
+
+// The angle between the two 4-vectors, from their six minors and their product.
+static double angle_s3(struct ap_vec4 p, struct ap_vec4 q) {
+    struct ap_vec3 a = {p.x, p.y, p.z}, b = {q.x, q.y, q.z};
+    double with_w = ap_vec3_length((struct ap_vec3){ap_dd_minor(p.x, q.w, p.w, q.x).hi,
+                                                    ap_dd_minor(p.y, q.w, p.w, q.y).hi,
+                                                    ap_dd_minor(p.z, q.w, p.w, q.z).hi});
+    double dot = ap_dd_add(dot_dd(a, b), ap_dd_two_product(p.w, q.w)).hi;
+    return atan2(hypot(cross_length(a, b), with_w), dot);
+}
+
+static double distance_e3(struct ap_vec4 p, struct ap_vec4 q, double rho) {
+    struct ap_vec3 d = {ap_dd_minor(p.x, q.w, q.x, p.w).hi, ap_dd_minor(p.y, q.w, q.y, p.w).hi,
+                        ap_dd_minor(p.z, q.w, q.z, p.w).hi};
+    return ap_vec3_length(d) / (p.w * q.w) * rho;
+}
+
+// 4·sinh²(d/2) = 4·sinh²((a − b)/2) + 4·sinh a·sinh b·sin²(gamma/2), with the distances a, b from
+// the base point and the angle gamma between them: a sum of squares, nothing cancels in it. The
+// differences are taken before anything is rounded.
+static double arc_h3(struct ap_vec3 p, struct ap_vec3 q, double rho) {
+    double big_a = ap_length_dd(p).hi / rho, big_b = ap_length_dd(q).hi / rho, radial, sideways;
+    if (big_a < 1e100 && big_b < 1e100) {
+        struct ap_dd squares = {0, 0};
+        const double ps[3] = {p.x, p.y, p.z}, qs[3] = {q.x, q.y, q.z};
+        for (int i = 0; i < 3; i++)
+            squares = ap_dd_add(
+                squares, ap_dd_mul(ap_dd_two_sum(ps[i], -qs[i]), ap_dd_two_sum(ps[i], qs[i])));
+        double sum = big_a * hypot(1, big_b) + big_b * hypot(1, big_a); // sinh(a + b)
+        radial = sum > 0 ? asinh(squares.hi / rho / rho / sum) : 0;
+        double cross = cross_length(p, q) / rho / rho, dot = dot_dd(p, q).hi / rho / rho;
+        sideways =
+            dot > 0 ? cross * sqrt(2 / (big_a * big_b + dot)) : sqrt(2 * (big_a * big_b - dot));
+    } else {
+        struct ap_vec3 u = ap_vec3_sub(ap_vec3_normalize(p), ap_vec3_normalize(q));
+        radial = asinh(big_a) - asinh(big_b);
+        sideways = ap_vec3_length(u) * sqrt(big_a) * sqrt(big_b);
+    }
+    return 2 * asinh(hypot(sinh(radial / 2), sideways / 2));
+}
+
+enum ap_status ap_distance(struct ap_error *err, struct ap_space space, struct ap_vec4 p,
+                           struct ap_vec4 q, double *d_m) {
+    enum ap_status st = ap_point_check(err, space, p);
+    if (!st)
+        st = ap_point_check(err, space, q);
+    if (st)
+        return st;
+    int e;
+    double rho = frexp(space.rho_m, &e);
+    p = near_one(p, e);
+    q = near_one(q, e);
+    double d;
+    if (space.kappa > 0)
+        d = angle_s3(p, q) * rho;
+    else if (space.kappa == 0)
+        d = distance_e3(p, q, rho);
+    else
+        d = arc_h3((struct ap_vec3){p.x, p.y, p.z}, (struct ap_vec3){q.x, q.y, q.z}, rho) * rho;
+    *d_m = ldexp(d, e);
+    return AP_OK;
+}
