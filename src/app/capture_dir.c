@@ -448,7 +448,21 @@ static json_t *frames_json(const struct ap_capture *c) {
     return json_pack("{s:I, s:o}", "total", (json_int_t)c->total_frames, "captured", list);
 }
 
-// NULL without memory, and where a text is not UTF-8.
+// A file's name may be any bytes; JSON takes UTF-8 only.
+static json_t *text_json(const char *text) {
+    json_t *value = json_string(text);
+    char *plain = value ? NULL : strdup(text);
+    if (!plain)
+        return value;
+    for (char *p = plain; *p; p++)
+        if (*p & 0x80)
+            *p = '?';
+    value = json_string(plain);
+    free(plain);
+    return value;
+}
+
+// NULL without memory, and where a target's name is not UTF-8.
 static json_t *capture_json(const struct ap_capture *c) {
     json_t *root = json_pack("{s:i, s:s, s:f, s:s, s:s}", "antipode_capture", FORMAT_VERSION,
                              "space", ap_space_name(c->space), "radius_m", c->space.rho_m, "view",
@@ -460,9 +474,9 @@ static json_t *capture_json(const struct ap_capture *c) {
     }
     bad |= json_object_set_new(root, "frames", frames_json(c)) != 0;
     bad |= json_object_set_new(root, "interrupted", json_boolean(c->interrupted)) != 0;
-    bad |= json_object_set_new(root, "log", json_string(c->log_name)) != 0;
+    bad |= json_object_set_new(root, "log", text_json(c->log_name)) != 0;
     if (c->command[0])
-        bad |= json_object_set_new(root, "command", json_string(c->command)) != 0;
+        bad |= json_object_set_new(root, "command", text_json(c->command)) != 0;
     bad |= json_object_set_new(root, "headset", ap_headset_to_json(&c->headset)) != 0;
     bad |= json_object_set_new(root, "background", color_json(c->background)) != 0;
     bad |= json_object_set_new(root, "targets", targets_json(c)) != 0;
@@ -480,8 +494,9 @@ enum ap_status ap_capture_write(struct ap_error *err, const char *dir,
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     enum ap_status st = AP_OK;
     if (!path || !text) {
-        st = ap_fail(err, AP_ENVIRONMENT,
-                     "%s: capture.json cannot be made: out of memory, or a name is not UTF-8", dir);
+        st = ap_fail(
+            err, AP_ENVIRONMENT,
+            "%s: capture.json cannot be made: out of memory, or a target's name is not UTF-8", dir);
         goto out;
     }
     struct ap_outfile file;
