@@ -1,0 +1,345 @@
+#include "src/view/cull.h"
+
+#include <stddef.h>
+
+// How it works. Everything that an eye sees lies in a pyramid: its apex the eye, four planes its
+// sides. An object is hidden from the eye where some plane through the apex has the pyramid on one
+// side and the object on the other. In native view the object's image is what log makes of it in
+// tangent space, and the apex stands beside the nose; in tourist view the same in the eye's own
+// coordinates, with the apex at the origin, where it is a matter of directions alone. So both are
+// one code path over points in polar form: distance, direction.
+//
+// An object is bounded in two ways, either of which may prove it hidden: by the cone of its
+// directions between its nearest and farthest distance, and by a Euclidean ball in tangent space.
+// What is neither proved hidden nor seen to be visible is cut in two and tried again.
+
+enum { PYRAMID_SIDES = 4, MAX_PLANES = 2 * PYRAMID_SIDES + 1, MAX_DEPTH = 6, MAX_CORNERS = 64 };
+
+// Slack for what is computed later in float32: relative, and radians. The pictures' own error is
+// below 3e-7.
+#define SLACK 2e-6
+
+struct pyramid {
+    struct ap_vec3 apex;                  // over rho
+    struct ap_vec3 normal[PYRAMID_SIDES]; // unit, inward
+    struct ap_vec3 edge[PYRAMID_SIDES];   // unit, from the apex, between sides i and i+1
+};
+
+// A point of the space in units of rho, cartesian and polar, both kept to full relative precision.
+struct polar {
+    struct ap_vec3 v; // (x, y, z)
+    double w;
+    double r;         // distance
+    struct ap_vec3 u; // direction, zero where there is none
+};
+
+struct sight {
+    struct ap_space space; // rho_m = 1
+    struct pyramid pyramid;
+    int image;
+    double radius; // of the thickening, over rho
+};
+
+static double S(const struct sight *s, double t) {
+    return ap_space_sin(s->space, t);
+}
+
+static struct polar polar_of(struct ap_space space, struct ap_vec3 v, double w) {
+    double n = ap_vec3_length(v);
+    double r = space.kappa > 0 ? atan2(n, w) : space.kappa < 0 ? asinh(n) : n;
+    return (struct polar){v, w, r, ap_vec3_normalize(v)};
+}
+
+// Distance from polar coordinates: no cancellation, however far the points are.
+static double polar_distance(struct ap_space space, const struct polar *p, const struct polar *q) {
+    double chord = ap_vec3_length(ap_vec3_sub(p->u, q->u)) / 2; // sin of half the angle
+    double dr = (p->r - q->r) / 2;
+    double a = ap_space_sin(space, dr);
+    double h2 = a * a + ap_space_sin(space, p->r) * ap_space_sin(space, q->r) * chord * chord;
+    double h = sqrt(fmax(h2, 0));
+    return 2 * (space.kappa > 0 ? asin(fmin(h, 1)) : space.kappa < 0 ? asinh(h) : h);
+}
+
+static struct polar midpoint(struct ap_space space, const struct polar *p, const struct polar *q) {
+    double n = 2 * ap_space_cos(space, polar_distance(space, p, q) / 2);
+    if (!(n > 1e-9)) // antipodal in s3: no midpoint; the caller's bounds then say "anywhere"
+        return *p;
+    struct ap_vec3 v = ap_vec3_scale(1 / n, ap_vec3_add(p->v, q->v));
+    return polar_of(space, v, (p->w + q->w) / n);
+}
+
+static struct pyramid pyramid_of(const struct ap_frustum *f, struct ap_quat turn,
+                                 struct ap_vec3 apex) {
+    struct ap_vec3 corner[PYRAMID_SIDES] = {{f->left, f->down, -1},
+                                            {f->right, f->down, -1},
+                                            {f->right, f->up, -1},
+                                            {f->left, f->up, -1}};
+    struct pyramid p = {.apex = apex};
+    for (int i = 0; i < PYRAMID_SIDES; i++)
+        p.edge[i] = ap_vec3_normalize(ap_quat_rotate(turn, corner[i]));
+    struct ap_vec3 axis = {0, 0, 0};
+    for (int i = 0; i < PYRAMID_SIDES; i++)
+        axis = ap_vec3_add(axis, p.edge[i]);
+    for (int i = 0; i < PYRAMID_SIDES; i++) {
+        struct ap_vec3 n = ap_vec3_cross(p.edge[i], p.edge[(i + 1) % PYRAMID_SIDES]);
+        n = ap_vec3_normalize(n);
+        p.normal[i] = ap_vec3_dot(n, axis) < 0 ? ap_vec3_scale(-1, n) : n; // mirrored frusta too
+    }
+    return p;
+}
+
+// Every plane that may separate something about `centre` (tangent space) from the pyramid: its
+// sides, and those that lean on one of its edges or on its apex and face the centre squarely.
+static int separating_planes(const struct pyramid *p, struct ap_vec3 centre,
+                             struct ap_vec3 planes[MAX_PLANES]) {
+    int count = 0;
+    for (int i = 0; i < PYRAMID_SIDES; i++)
+        planes[count++] = p->normal[i];
+    struct ap_vec3 c = ap_vec3_sub(centre, p->apex);
+    for (int i = 0; i <= PYRAMID_SIDES; i++) {
+        struct ap_vec3 n = ap_vec3_scale(-1, c);
+        if (i < PYRAMID_SIDES)
+            n = ap_vec3_add(n, ap_vec3_scale(ap_vec3_dot(c, p->edge[i]), p->edge[i]));
+        n = ap_vec3_normalize(n);
+        bool valid = ap_vec3_dot(n, n) > 0;
+        for (int k = 0; k < PYRAMID_SIDES; k++)
+            valid = valid && ap_vec3_dot(n, p->edge[k]) >= -1e-12;
+        if (valid)
+            planes[count++] = n;
+    }
+    return count;
+}
+
+// What is known of a piece of an object.
+struct piece {
+    struct ap_vec3 dir[MAX_CORNERS]; // of its corners as they are seen
+    int count;
+    double spread;       // how far, as an angle, the thickening reaches out of the corners' hull
+    double near, far;    // nearest and farthest distance as seen
+    struct ap_vec3 ball; // centre of a Euclidean ball around its image
+    double ball_radius;  // INFINITY where there is none
+};
+
+// The ball about `centre` that holds a piece, with its image in tangent space (formulas: "How much
+// is visible"). On the long way round a point at distance r is seen at 2·pi − r, and directions
+// across the line of sight are stretched by r'/|sin r'| there as well; that is largest at an end of
+// the range, since it falls and then rises between pi and 2·pi.
+static void enclose(const struct sight *s, const struct polar *centre, double reach,
+                    struct piece *piece) {
+    bool s3 = s->space.kappa > 0;
+    double lo = centre->r - reach, hi = centre->r + reach;
+    if (s3 && reach >= M_PI / 2 - SLACK)
+        lo = 0, hi = M_PI;
+    double seen = s->image ? 2 * M_PI - centre->r : centre->r;
+    double r0 = s->image ? 2 * M_PI - hi : lo, r1 = s->image ? 2 * M_PI - lo : hi;
+    double stretch = 1;
+    if (s3 && s->image)
+        stretch = fmax(r0 / -sin(r0), r1 / -sin(r1));
+    else if (s3)
+        stretch = r1 / sin(r1);
+    bool bounded = !s3 || (hi < M_PI - SLACK && (!s->image || lo > SLACK));
+    piece->ball = ap_vec3_scale(s->image ? -seen : seen, centre->u);
+    piece->ball_radius = bounded ? reach * stretch * (1 + SLACK) : INFINITY;
+    piece->near = fmax(s->image ? fmax(r0, M_PI) : lo, 0) * (1 - SLACK);
+    piece->far = (!s3 ? r1 : fmin(r1, s->image ? 2 * M_PI : M_PI)) * (1 + SLACK);
+}
+
+// The angle that a ball of the thickening's radius subtends at most, over distances lo…hi.
+static double spread_of(const struct sight *s, double lo, double hi) {
+    if (s->radius <= 0)
+        return SLACK;
+    bool s3 = s->space.kappa > 0;
+    if (s->radius >= lo || (s3 && s->radius + hi >= M_PI))
+        return M_PI;
+    double away = s3 ? fmin(sin(lo), sin(hi)) : S(s, lo);
+    double q = S(s, s->radius) / away;
+    return q < 1 ? asin(q) + SLACK : M_PI;
+}
+
+static void describe(const struct sight *s, const struct polar *corners, int count,
+                     const struct polar *centre, struct piece *piece) {
+    double reach = 0;
+    for (int i = 0; i < count; i++)
+        reach = fmax(reach, polar_distance(s->space, centre, &corners[i]));
+    enclose(s, centre, reach + s->radius, piece);
+    double lo = fmax(centre->r - reach, 0), hi = centre->r + reach;
+    if (s->space.kappa > 0 && reach >= M_PI / 2 - SLACK)
+        lo = 0, hi = M_PI;
+    piece->spread = spread_of(s, lo, hi);
+    piece->count = count;
+    for (int i = 0; i < count; i++) {
+        piece->dir[i] = ap_vec3_scale(s->image ? -1 : 1, corners[i].u);
+        if (ap_vec3_dot(corners[i].u, corners[i].u) == 0)
+            piece->spread = M_PI; // at the nose or its antipode: seen everywhere
+    }
+}
+
+// The largest n·Q over the piece's image: of the cone of directions between near and far.
+static double cone_support(const struct piece *piece, struct ap_vec3 n) {
+    double most = -2;
+    for (int i = 0; i < piece->count; i++)
+        most = fmax(most, ap_vec3_dot(n, piece->dir[i]));
+    // Corners that all lie behind the plane carry their whole hull with them, and the corner
+    // nearest to the plane is the hull's nearest point; otherwise the hull may reach any direction.
+    if (most >= 0 && piece->count > 1)
+        return piece->far;
+    double angle = fmax(acos(fmax(fmin(most, 1), -1)) - piece->spread, 0);
+    double c = cos(angle);
+    return c > 0 ? c * piece->far : c * piece->near;
+}
+
+// The same for a plane through the nose, where distances do not matter: whether all directions are
+// behind it.
+static bool directions_behind(const struct piece *piece, struct ap_vec3 n) {
+    struct piece unit = *piece;
+    unit.near = unit.far = 1;
+    return cone_support(&unit, n) < 0;
+}
+
+static bool hidden_behind(const struct sight *s, const struct piece *piece, struct ap_vec3 n) {
+    double h = ap_vec3_dot(n, s->pyramid.apex);
+    if (h == 0 ? directions_behind(piece, n) : cone_support(piece, n) < h)
+        return true;
+    return ap_vec3_dot(n, piece->ball) + piece->ball_radius < h - SLACK * fabs(h);
+}
+
+static bool piece_hidden(const struct sight *s, const struct piece *piece) {
+    struct ap_vec3 planes[MAX_PLANES];
+    int count = separating_planes(&s->pyramid, piece->ball, planes);
+    for (int i = 0; i < count; i++)
+        if (hidden_behind(s, piece, planes[i]))
+            return true;
+    return false;
+}
+
+// For pieces whose image is a spherical polygon seen from the apex itself (tourist view): planes
+// through two of the corners separate as well, and with the sides they are all there is to try.
+static bool hidden_past_an_edge(const struct sight *s, const struct piece *piece) {
+    if (ap_vec3_dot(s->pyramid.apex, s->pyramid.apex) > 0 || piece->count < 2 || piece->spread > 1)
+        return false;
+    for (int i = 0; i < piece->count; i++) {
+        struct ap_vec3 n =
+            ap_vec3_normalize(ap_vec3_cross(piece->dir[i], piece->dir[(i + 1) % piece->count]));
+        double most = 0, least = 0, corner_most = -1, corner_least = 1;
+        for (int k = 0; k < piece->count; k++) {
+            most = fmax(most, ap_vec3_dot(n, piece->dir[k]));
+            least = fmin(least, ap_vec3_dot(n, piece->dir[k]));
+        }
+        for (int k = 0; k < PYRAMID_SIDES; k++) {
+            corner_most = fmax(corner_most, ap_vec3_dot(n, s->pyramid.edge[k]));
+            corner_least = fmin(corner_least, ap_vec3_dot(n, s->pyramid.edge[k]));
+        }
+        double margin = sin(piece->spread);
+        if ((most <= 1e-12 && corner_least > margin) || (least >= -1e-12 && corner_most < -margin))
+            return true;
+    }
+    return false;
+}
+
+static bool corner_visible(const struct sight *s, const struct polar *corner) {
+    double r = s->image ? -(2 * M_PI - corner->r) : corner->r;
+    struct ap_vec3 q = ap_vec3_sub(ap_vec3_scale(r, corner->u), s->pyramid.apex);
+    for (int i = 0; i < PYRAMID_SIDES; i++)
+        if (ap_vec3_dot(s->pyramid.normal[i], q) < 0)
+            return false;
+    return true;
+}
+
+static struct polar centre_of(struct ap_space space, const struct polar *c, int count) {
+    if (count == 1)
+        return c[0];
+    if (count == 2)
+        return midpoint(space, &c[0], &c[1]);
+    if (count > 3)
+        return midpoint(space, &c[0], &c[count / 2]);
+    // A triangle: the normalised sum of its corners.
+    double n2 = 3, d = 0;
+    for (int i = 0; i < 3; i++) {
+        d = polar_distance(space, &c[i], &c[(i + 1) % 3]);
+        n2 += 2 * ap_space_cos(space, d);
+    }
+    double n = space.kappa ? sqrt(fmax(n2, 0)) : 3;
+    if (!(n > 1e-9))
+        return c[0];
+    struct ap_vec3 v = ap_vec3_add(ap_vec3_add(c[0].v, c[1].v), c[2].v);
+    return polar_of(space, ap_vec3_scale(1 / n, v), (c[0].w + c[1].w + c[2].w) / n);
+}
+
+static bool hull_visible(const struct sight *s, const struct polar *corners, int count, int depth);
+
+// Cuts a segment in two or a triangle in four.
+static bool halves_visible(const struct sight *s, const struct polar *c, int count, int depth) {
+    if (count == 2) {
+        struct polar m = midpoint(s->space, &c[0], &c[1]);
+        struct polar a[2] = {c[0], m}, b[2] = {m, c[1]};
+        return hull_visible(s, a, 2, depth) || hull_visible(s, b, 2, depth);
+    }
+    struct polar m[3];
+    for (int i = 0; i < 3; i++)
+        m[i] = midpoint(s->space, &c[i], &c[(i + 1) % 3]);
+    for (int i = 0; i < 3; i++) {
+        struct polar part[3] = {c[i], m[i], m[(i + 2) % 3]};
+        if (hull_visible(s, part, 3, depth))
+            return true;
+    }
+    return hull_visible(s, m, 3, depth);
+}
+
+// Recursive, at most MAX_DEPTH deep, and shallow wherever the answer is plain.
+static bool hull_visible(const struct sight *s, const struct polar *corners, int count, int depth) {
+    struct piece piece;
+    struct polar centre = centre_of(s->space, corners, count);
+    describe(s, corners, count, &centre, &piece);
+    if (piece_hidden(s, &piece) || hidden_past_an_edge(s, &piece))
+        return false;
+    for (int i = 0; i < count; i++)
+        if (corner_visible(s, &corners[i]))
+            return true;
+    return depth == 0 || count < 2 || halves_visible(s, corners, count, depth - 1);
+}
+
+static bool bounds_visible(const struct sight *s, const struct polar *corners, int count) {
+    if (count <= 3)
+        return hull_visible(s, corners, count, MAX_DEPTH);
+    struct piece whole;
+    struct polar centre = centre_of(s->space, corners, count);
+    describe(s, corners, count, &centre, &whole);
+    if (piece_hidden(s, &whole))
+        return false;
+    for (int i = 1; i + 1 < count; i++) {
+        struct polar fan[3] = {corners[0], corners[i], corners[i + 1]};
+        if (hull_visible(s, fan, 3, MAX_DEPTH))
+            return true;
+    }
+    return false;
+}
+
+unsigned ap_visible_eyes(const struct ap_viewer *viewer, const struct ap_bounds *bounds,
+                         int image) {
+    if (image != 0 && (image != 1 || viewer->space.kappa <= 0))
+        return 0;
+    if (bounds->count < 1)
+        return 0;
+    if (bounds->count > MAX_CORNERS)
+        return 3;
+    double rho = viewer->space.rho_m;
+    unsigned seen = 0;
+    for (int e = 0; e < 2; e++) {
+        const struct ap_view_eye *eye = &viewer->eye[e];
+        bool tourist = viewer->mode == AP_VIEW_TOURIST;
+        struct sight s = {.space = {viewer->space.kappa, 1}, .image = image};
+        s.radius = fmax(bounds->radius_m, 0) / rho;
+        s.pyramid = tourist ? pyramid_of(&eye->frustum, AP_QUAT_IDENTITY, (struct ap_vec3){0, 0, 0})
+                            : pyramid_of(&eye->frustum, eye->view_from_eye.q,
+                                         ap_vec3_scale(1 / rho, eye->view_from_eye.p));
+        struct ap_iso eye_from_nose = tourist ? ap_eye_from_nose(viewer, e) : AP_ISO_IDENTITY;
+        struct polar corners[MAX_CORNERS];
+        for (int i = 0; i < bounds->count; i++) {
+            struct ap_vec4 p = ap_iso_apply(&eye_from_nose, bounds->nose_points[i]);
+            struct ap_vec3 v = {p.x / rho, p.y / rho, p.z / rho};
+            corners[i] = polar_of(s.space, v, p.w / rho);
+        }
+        seen |= bounds_visible(&s, corners, bounds->count) ? 1u << e : 0u;
+    }
+    return seen;
+}
