@@ -5,9 +5,9 @@
 #include "src/geom/space.h"
 #include "src/geom/vec.h"
 
-// Internal to src/geom: a tangent vector as a direction and an arc. The arc carries its rounding
-// error, because the error of the answer is that of t times |v|/rho: with plain doubles a
-// hundredfold turn in s3, or cosh far away in h3, would lose two digits.
+// A tangent vector as a direction and an arc length that carries its rounding error: the error of a
+// turn is that of t times t, so with plain doubles forty radians in s3, or cosh far away in h3,
+// would lose two digits.
 struct ap_arc {
     struct ap_vec3 unit; // zero where v is; each component within 1.5 ulp
     struct ap_dd t;      // |v|/rho

@@ -3,10 +3,10 @@
 
 #include <math.h>
 
-// Internal to src/geom: a number as the unevaluated sum of two doubles (hi nearest to the sum,
-// about 106 bits), where a rounding error must be carried along: arc lengths, cancelling sums,
-// walks. Relative error of each operation below 2^-100 away from overflow and underflow. Dekker
-// 1971, Knuth's two-sum; the product's error comes from fma.
+// A number as the unevaluated sum of two doubles (hi nearest to the sum, about 106 bits), for where
+// a rounding error must be carried along: arc lengths, cancelling sums, walks. Relative error of
+// each operation below 2^-100 away from overflow and underflow. Dekker 1971, Knuth's two-sum; the
+// product's error comes from fma.
 struct ap_dd {
     double hi, lo;
 };
