@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "src/base/status.h"
 #include "src/geom/pose.h"
@@ -27,14 +28,16 @@ enum ap_head_frame { AP_HEAD_FRAME_HEAD, AP_HEAD_FRAME_OPTICAL };
 struct ap_poselog_params {
     const char *const *sources; // "[head=|left=|right=|NAME=]FILE", FILE "-" = standard input
     size_t source_count;
-    bool z_up;                       // --up z: turn a Z-up world to +y up
-    enum ap_head_frame head_frame;   // --head-frame optical
-    bool skip_bad;                   // drop and count bad lines instead of failing
-    bool has_table;                  // --table-at: multiply poses by the table frame's inverse
+    bool z_up;                     // --up z: turn a Z-up world to +y up
+    enum ap_head_frame head_frame; // --head-frame optical
+    bool skip_bad;                 // drop and count bad lines instead of failing
+    bool has_table;                // --table-at: multiply poses by the table frame's inverse
     double table_x_m, table_z_m, table_yaw_rad;
 };
 
-// AP_INPUT where a file cannot be read or is of no known format. The sources must outlive the log.
+// AP_INPUT where a file cannot be read or is of no known format; AP_USAGE for "left=" without a
+// file, standard input twice, more than 64 logs. Reads (and, on a pipe, waits for) each log's first
+// line. The sources must outlive the log.
 enum ap_status ap_poselog_open(struct ap_error *err, const struct ap_poselog_params *params,
                                struct ap_poselog **log);
 
@@ -50,6 +53,16 @@ const char *ap_poselog_device_name(const struct ap_poselog *log, int device);
 // Lines dropped by skip_bad so far.
 int64_t ap_poselog_skipped(const struct ap_poselog *log);
 
+// The text of any column, by its name, in the row the newest sample came from; not NUL-terminated,
+// valid until the next call of ap_poselog_next. False where that row's file has no such column.
+bool ap_poselog_column(const struct ap_poselog *log, const char *name, const char **text,
+                       size_t *len);
+
 void ap_poselog_close(struct ap_poselog *log);
+
+// Our own CSV, 17 digits: reading it back gives the same samples bit for bit. Errors stay with the
+// stream (ferror, or what closes it).
+void ap_poselog_write_header(FILE *stream);
+void ap_poselog_write_row(FILE *stream, const char *device, const struct ap_sample *sample);
 
 #endif

@@ -1,0 +1,42 @@
+#ifndef ANTIPODE_DEVICE_POSELOG_SOURCE_H
+#define ANTIPODE_DEVICE_POSELOG_SOURCE_H
+
+#include "src/device/line_reader.h"
+#include "src/device/poselog_format.h"
+
+// One file of a pose log: its role, its format, and the row at its front.
+struct ap_log_source {
+    struct ap_line_reader reader;
+    struct ap_field role; // of the argument; empty: none
+    enum ap_log_format format;
+    bool skip_bad;
+    int64_t skipped;
+
+    struct ap_csv_columns columns; // AP_LOG_CSV
+    char *header;                  // what their names point into
+    struct ap_field fields[AP_LOG_COLUMNS_MAX];
+    char only_device[AP_LOG_DEVICE_NAME_MAX]; // with a role: the one name the file may hold
+
+    bool has_row, at_end;
+    struct ap_row row; // its pieces stay until ap_log_source_advance
+    int64_t last_t_ns; // of the rows before it
+};
+
+// Opens `argument` = "[ROLE=]FILE" and finds out its format, for which it reads (and, on a pipe,
+// waits for) the first line that says something. Finish it in any case. AP_INPUT, AP_ENVIRONMENT;
+// AP_USAGE where the role has no file.
+enum ap_status ap_log_source_open(struct ap_error *err, struct ap_log_source *source,
+                                  const char *argument, bool skip_bad);
+void ap_log_source_finish(struct ap_log_source *source);
+
+// The next row into source->row, or at_end.
+enum ap_status ap_log_source_advance(struct ap_error *err, struct ap_log_source *source);
+
+// The row is bad: counts and drops it with skip_bad, else fails.
+enum ap_status ap_log_source_reject(struct ap_error *err, struct ap_log_source *source,
+                                    const struct ap_bad_line *bad);
+
+// The device the row is of.
+struct ap_field ap_log_source_device(const struct ap_log_source *source);
+
+#endif
