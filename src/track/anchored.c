@@ -1,0 +1,26 @@
+#include "src/track/anchored.h"
+
+#include "src/track/motion.h"
+
+void ap_anchored_init(struct ap_anchored *anchored, struct ap_space space,
+                      struct ap_vec3 room_origin, struct ap_pose room_from_anchor) {
+    struct ap_motion first = ap_motion_from(room_origin, room_from_anchor);
+    anchored->space = space;
+    anchored->room_from_anchor = room_from_anchor;
+    anchored->world_from_anchor = ap_wide_identity();
+    ap_wide_move(space, &first, &anchored->world_from_anchor);
+}
+
+void ap_anchored_move(struct ap_anchored *anchored, struct ap_pose room_from_anchor) {
+    struct ap_motion step = ap_motion_between(anchored->room_from_anchor, room_from_anchor);
+    ap_wide_move(anchored->space, &step, &anchored->world_from_anchor);
+    anchored->room_from_anchor = room_from_anchor;
+}
+
+struct ap_iso ap_anchored_place(const struct ap_anchored *anchored,
+                                struct ap_pose room_from_device) {
+    struct ap_motion offset = ap_motion_between(anchored->room_from_anchor, room_from_device);
+    struct ap_wide_iso place = anchored->world_from_anchor;
+    ap_wide_move(anchored->space, &offset, &place);
+    return place.hi;
+}

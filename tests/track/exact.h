@@ -1,0 +1,27 @@
+#ifndef ANTIPODE_TESTS_TRACK_EXACT_H
+#define ANTIPODE_TESTS_TRACK_EXACT_H
+
+#include <stdbool.h>
+
+#include "src/geom/pose.h"
+#include "src/track/tracker.h"
+
+// The three trackers in 256-bit arithmetic, written from docs/conventions.md alone: no code, no
+// formula rearrangement shared with src/track. One at a time per process (its numbers come from one
+// pool).
+struct exact;
+
+struct exact *exact_create(const struct ap_tracker_params *params);
+void exact_destroy(struct exact *exact);
+
+// False: no row.
+bool exact_feed(struct exact *exact, const char *device, struct ap_pose pose);
+
+// Of the last pose: the largest |m − exact| / max(1, |exact m33|); in e3, where m33 is 1 however
+// far away a pose is, over its largest entry.
+double exact_error(const struct exact *exact, const struct ap_iso *m);
+
+// The unwrapped coordinate of the device fed last (billiards).
+double exact_coordinate(const struct exact *exact);
+
+#endif
