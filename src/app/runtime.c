@@ -32,9 +32,10 @@ enum ap_status ap_runtime_manifest(struct ap_error *err, char **path) {
                                          "../share/openxr/1/openxr_antipode.json", NULL};
     char *found = beside_program(places);
     if (!found)
-        return ap_fail(err, AP_ENVIRONMENT,
-                       "openxr_antipode.json, the simulated headset's manifest, is not where it was "
-                       "installed (share/openxr/1): run meson install again");
+        return ap_fail(
+            err, AP_ENVIRONMENT,
+            "openxr_antipode.json, the simulated headset's manifest, is not where it was "
+            "installed (share/openxr/1): run meson install again");
     *path = found;
     return AP_OK;
 }
@@ -84,9 +85,9 @@ enum ap_status ap_runtime_use_simulated(struct ap_error *err, const char *settin
     enum ap_status st = ap_runtime_manifest(err, &manifest);
     if (st)
         return st;
-    bool set = setenv("XR_RUNTIME_JSON", manifest, 1) == 0 &&
-               (settings_path ? setenv("ANTIPODE_SIM", settings_path, 1)
-                              : unsetenv("ANTIPODE_SIM")) == 0;
+    bool set =
+        setenv("XR_RUNTIME_JSON", manifest, 1) == 0 &&
+        (settings_path ? setenv("ANTIPODE_SIM", settings_path, 1) : unsetenv("ANTIPODE_SIM")) == 0;
     free(manifest);
     return set ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "out of memory");
 }

@@ -1,0 +1,252 @@
+#include "src/app/replay.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "src/app/command.h"
+#include "src/app/page.h"
+#include "src/app/progress.h"
+#include "src/app/runtime.h"
+#include "src/app/vergence.h"
+#include "src/base/log.h"
+#include "src/device/poselog.h"
+#include "src/track/setup.h"
+
+static const char help[] =
+    "Replays pose logs through the simulated headset into curved space, headless, on a virtual\n"
+    "clock: every frame is stepped, the chosen ones are drawn and captured. DIR gets the stereo\n"
+    "pairs, side-by-side and red-cyan pictures, a contact sheet, frames.csv, views.csv, timing.csv,\n"
+    "vergence.csv and index.html, a page to open in a browser. All but timing.csv is the same byte\n"
+    "for byte in two runs. Ctrl-C ends it early; what was written stays whole.\n"
+    "LOG is [head=|left=|right=|NAME=]FILE, '-' for standard input.";
+
+struct options {
+    struct ap_room_options room;
+    const char *headset, *frames, *dir, *table_at, *up, *head_frame;
+    bool force, stats, skip_bad;
+};
+
+static enum ap_status check_dir(struct ap_error *err, const struct options *o) {
+    static const char *const signs[] = {"capture.json", "frames.csv", "index.html"};
+    for (size_t i = 0; i < sizeof signs / sizeof signs[0]; i++) {
+        char *path = ap_path_join(o->dir, signs[i]);
+        bool there = path && ap_file_exists(path);
+        free(path);
+        if (there && !o->force)
+            return ap_fail(
+                err, AP_USAGE,
+                "%s holds a capture already: give another --out, or --force to replace it", o->dir);
+    }
+    return ap_make_dirs(err, o->dir);
+}
+
+// A capture's own files go, so that an older run's pictures are not taken for this one's.
+static void clear_dir(const char *dir) {
+    static const char *const names[] = {"capture.json", "frames.csv", "views.csv",
+                                        "timing.csv",   "index.html", "vergence.csv",
+                                        "vergence.png", "contact.png"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        char *path = ap_path_join(dir, names[i]);
+        if (path)
+            remove(path);
+        free(path);
+    }
+}
+
+static enum ap_status read_timeline(struct ap_error *err, const struct options *o,
+                                    const char *const *logs, int count,
+                                    struct ap_timeline **timeline) {
+    struct ap_poselog_params params = {.sources = logs,
+                                       .source_count = (size_t)count,
+                                       .z_up = strcmp(o->up, "z") == 0,
+                                       .head_frame = strcmp(o->head_frame, "optical") == 0
+                                                         ? AP_HEAD_FRAME_OPTICAL
+                                                         : AP_HEAD_FRAME_HEAD,
+                                       .skip_bad = o->skip_bad,
+                                       .has_table = o->table_at != NULL};
+    enum ap_status st = AP_OK;
+    if (o->table_at)
+        st = ap_table_at_parse(err, o->table_at, &params.table_x_m, &params.table_z_m,
+                               &params.table_yaw_rad);
+    struct ap_poselog *log;
+    if (!st)
+        st = ap_poselog_open(err, &params, &log);
+    if (st)
+        return st;
+    st = ap_timeline_load(err, log, timeline);
+    if (ap_poselog_skipped(log) > 0)
+        ap_log(AP_LOG_WARNING, "%lld bad lines were skipped", (long long)ap_poselog_skipped(log));
+    ap_poselog_close(log);
+    return st;
+}
+
+static enum ap_status read_headset(struct ap_error *err, const char *path,
+                                   struct ap_headset_profile *profile) {
+    if (path)
+        return ap_headset_read(err, path, profile);
+    *profile = ap_headset_builtin();
+    return AP_OK;
+}
+
+// Leaves out frames whose pictures did not reach the disk (an interrupted run).
+static size_t whole_frames(const struct ap_replay *replay) {
+    size_t n = 0;
+    for (size_t i = 0; i < replay->captured_count; i++) {
+        bool whole = true;
+        for (int eye = 0; eye < 2; eye++) {
+            char name[64];
+            snprintf(name, sizeof name, "%06lld-%s.png", (long long)replay->captured[i],
+                     eye ? "right" : "left");
+            char *path = ap_path_join(replay->dir, name);
+            whole = whole && path && ap_file_exists(path);
+            free(path);
+        }
+        if (whole)
+            replay->captured[n++] = replay->captured[i];
+    }
+    return n;
+}
+
+static void show_pictures(void *data, int64_t done, int64_t total) {
+    (void)data;
+    ap_progress_show("pictures", done, total);
+}
+
+// From what the loop left on disk to the page: everything here can be made again from DIR.
+static enum ap_status finish(struct ap_error *err, const struct ap_replay *replay) {
+    struct ap_capture capture;
+    enum ap_status st = ap_capture_read(err, replay->dir, &capture);
+    if (st)
+        return st;
+    struct ap_vergence_row *rows = NULL;
+    size_t count = 0;
+    const struct ap_progress progress = {.step = show_pictures};
+    st = ap_pictures_write(err, &capture, &progress);
+    ap_progress_end();
+    if (!st)
+        st = ap_vergence_measure(err, &capture, &rows, &count);
+    if (!st)
+        st = ap_vergence_write(err, &capture, rows, count);
+    if (!st)
+        st = ap_page_write(err, &capture, rows, count);
+    free(rows);
+    ap_capture_finish(&capture);
+    return st;
+}
+
+// The command line as it was given, but for --out, so that two runs leave the same bytes.
+static void keep_command(char *text, size_t size, int argc, char **argv) {
+    size_t n = (size_t)snprintf(text, size, "antipode");
+    for (int i = 0; i < argc && n < size; i++) {
+        if (strcmp(argv[i], "--out") == 0)
+            i++;
+        else if (strncmp(argv[i], "--out=", 6) != 0 && strcmp(argv[i], "--force") != 0)
+            n += (size_t)snprintf(text + n, size - n, " %s", argv[i]);
+    }
+}
+
+static void print_stats(const struct ap_replay *replay) {
+    const struct ap_replay_totals *t = &replay->totals;
+    double views = t->drawn > 0 ? 2.0 * (double)t->drawn : 1;
+    printf("frames: %lld stepped, %lld drawn\n", (long long)t->stepped, (long long)t->drawn);
+    printf("an eye, on average: %.1f draws (%.1f of them behind s3's antipode), %.1f culled, "
+           "%.0f triangles, %.0f vertices mapped\n",
+           (double)t->draws / views, (double)t->back_draws / views, (double)t->culled / views,
+           (double)t->triangles / views, (double)t->vertices / views);
+    printf("time: %.1f ms in all; wait %.1f, track %.1f, draw %.1f, end %.1f\n", t->run_ms,
+           t->wait_ms, t->track_ms, t->draw_ms, t->end_ms);
+}
+
+static enum ap_status replay_into(struct ap_error *err, const struct options *o, const char *log,
+                                  const char *command, struct ap_replay *replay) {
+    clear_dir(replay->dir);
+    enum ap_status st = ap_replay_write_poses(err, replay);
+    if (!st)
+        st = ap_replay_write_settings(err, replay, o->frames);
+    char *settings = st ? NULL : ap_path_join(replay->dir, "sim.json");
+    if (!st)
+        st = ap_runtime_use_simulated(err, settings);
+    free(settings);
+    if (!st)
+        st = ap_replay_tables_open(err, replay);
+    if (st)
+        return st;
+    st = ap_replay_run(err, replay);
+    if (st) {
+        ap_replay_tables_abort(replay);
+        return st;
+    }
+    st = ap_replay_tables_commit(err, replay);
+    replay->captured_count = whole_frames(replay);
+    if (!st)
+        st = ap_replay_write_capture(err, replay, log, command);
+    return st ? st : finish(err, replay);
+}
+
+static enum ap_status open_replay(struct ap_error *err, const struct options *o, char **logs,
+                                  int log_count, struct ap_replay *replay) {
+    struct ap_range range;
+    enum ap_status st = ap_range_parse(err, o->frames, &range);
+    if (!st)
+        st = read_headset(err, o->headset, &replay->headset);
+    if (!st)
+        st = ap_room_open(err, &o->room, &replay->room);
+    if (!st)
+        st = read_timeline(err, o, (const char *const *)logs, log_count, &replay->timeline);
+    if (!st)
+        replay->frame_count = ap_timeline_frame_count(replay->timeline, replay->headset.refresh_hz);
+    return st ? st : check_dir(err, o);
+}
+
+static enum ap_status run(struct ap_error *err, int argc, char **argv) {
+    struct options o = {.room = AP_ROOM_OPTIONS_NONE,
+                        .frames = "::",
+                        .dir = "antipode-out",
+                        .up = "y",
+                        .head_frame = "head"};
+    const struct ap_option options[] = {
+        AP_ROOM_OPTION_TABLE(o.room),
+        {"headset", AP_OPTION_TEXT, &o.headset, "FILE", "headset profile (default: standard)"},
+        {"frames", AP_OPTION_TEXT, &o.frames, "A:B:STEP", "frames to draw, half open (all)"},
+        {"out", AP_OPTION_TEXT, &o.dir, "DIR", "where to write (antipode-out)"},
+        {"force", AP_OPTION_FLAG, &o.force, "", "replace a capture in DIR"},
+        {"table-at", AP_OPTION_TEXT, &o.table_at, "X,Z,YAW",
+         "where the table stands in the log's room"},
+        {"up", AP_OPTION_CHOICE, &o.up, "y|z", "which way is up in the log"},
+        {"head-frame", AP_OPTION_CHOICE, &o.head_frame, "head|optical", "axes of the log's head"},
+        {"skip-bad", AP_OPTION_FLAG, &o.skip_bad, "", "drop and count bad lines"},
+        {"stats", AP_OPTION_FLAG, &o.stats, "", "say what was drawn, skipped and how long it took"},
+    };
+    const struct ap_usage usage = {.command = "replay",
+                                   .operands = "LOG...",
+                                   .text = help,
+                                   .options = options,
+                                   .option_count = sizeof options / sizeof options[0],
+                                   .min_operands = 1,
+                                   .max_operands = -1};
+    char command[1024];
+    keep_command(command, sizeof command, argc, argv);
+    int logs;
+    bool done;
+    enum ap_status st = ap_parse_options(err, &usage, argc, argv, &logs, &done);
+    if (st || done)
+        return st;
+    struct ap_replay replay = {.dir = o.dir};
+    st = open_replay(err, &o, argv + 1, logs, &replay);
+    if (!st)
+        st = replay_into(err, &o, argv[1], command, &replay);
+    if (!st && o.stats)
+        print_stats(&replay);
+    if (!st && replay.interrupted)
+        st = ap_fail(err, AP_DIFFERS, "interrupted after frame %lld of %lld; %s/index.html says so",
+                     (long long)replay.totals.stepped, (long long)replay.frame_count, o.dir);
+    free(replay.captured);
+    ap_timeline_destroy(replay.timeline);
+    ap_room_close(&replay.room);
+    return st;
+}
+
+const struct ap_command ap_command_replay = {
+    "replay", "replay a pose log through the simulated headset into pictures", run};

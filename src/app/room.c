@@ -1,0 +1,94 @@
+#include "src/app/room.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "src/track/setup.h"
+
+static enum ap_status check_positive(struct ap_error *err, const char *name, double value) {
+    if (!isnan(value) && !(value > 0))
+        return ap_fail(err, AP_USAGE, "--%s: expected a length above 0 in metres", name);
+    return AP_OK;
+}
+
+static enum ap_status open_scene(struct ap_error *err, const struct ap_room_options *o,
+                                 struct ap_scene **scene) {
+    enum ap_status st = check_positive(err, "radius", o->radius_m);
+    if (!st)
+        st = check_positive(err, "table-edge", o->table_edge_m);
+    if (!st)
+        st = check_positive(err, "table-height", o->table_height_m);
+    if (st)
+        return st;
+    const struct ap_scene_params params = {
+        .space_name = o->space,
+        .radius_m = isnan(o->radius_m) ? 0 : o->radius_m,
+        .table_edge_m = isnan(o->table_edge_m) ? 0 : o->table_edge_m,
+        .table_height_m = isnan(o->table_height_m) ? 0 : o->table_height_m,
+    };
+    return o->scene ? ap_scene_read(err, o->scene, &params, scene)
+                    : ap_scene_billiards(err, &params, scene);
+}
+
+static enum ap_status open_tracker(struct ap_error *err, const struct ap_room_options *o,
+                                   struct ap_room *room) {
+    const char *name = o->tracker ? o->tracker : room->scene->has_table ? "billiards" : "anchor";
+    enum ap_tracker_kind kind;
+    enum ap_status st = ap_tracker_kind_from_name(err, name, &kind);
+    if (st)
+        return st;
+    // Without a table the virtual base point corresponds to the room's origin.
+    room->has_table = room->scene->has_table || kind == AP_TRACKER_BILLIARDS;
+    double height_m =
+        isnan(o->table_height_m) ? AP_TABLE_HEIGHT_DEFAULT_MM * 1e-3 : o->table_height_m;
+    const struct ap_track_setup setup = {.space = ap_space_name(room->scene->space),
+                                         .radius_m = room->scene->space.rho_m,
+                                         .tracker = kind,
+                                         .table_edge_m = o->table_edge_m,
+                                         .table_height_m = room->has_table ? height_m : 0};
+    st = ap_track_setup(err, &setup, &room->tracker_params);
+    return st ? st : ap_tracker_create(err, &room->tracker_params, &room->tracker);
+}
+
+enum ap_status ap_room_open(struct ap_error *err, const struct ap_room_options *options,
+                            struct ap_room *out) {
+    struct ap_room room = {0};
+    enum ap_status st =
+        ap_view_mode_from_name(err, options->view ? options->view : "native", &room.view);
+    if (!st)
+        st = open_scene(err, options, &room.scene);
+    if (!st)
+        st = open_tracker(err, options, &room);
+    if (st)
+        ap_room_close(&room);
+    else
+        *out = room;
+    return st;
+}
+
+void ap_room_close(struct ap_room *room) {
+    ap_tracker_destroy(room->tracker);
+    ap_scene_destroy(room->scene);
+    *room = (struct ap_room){0};
+}
+
+static struct ap_frustum eye_frustum(const struct ap_xr_view *v, uint32_t width, uint32_t height) {
+    struct ap_frustum f = {tan(v->left_rad), tan(v->right_rad), tan(v->up_rad), tan(v->down_rad)};
+    if (v->width_px > 0 && v->width_px != width)
+        f.right = f.left + (f.right - f.left) * width / v->width_px;
+    if (v->height_px > 0 && v->height_px != height)
+        f.down = f.up - (f.up - f.down) * height / v->height_px;
+    return f;
+}
+
+struct ap_viewer ap_room_viewer(const struct ap_room *room, struct ap_iso world_from_head,
+                                const struct ap_xr_view views[2], uint32_t width_px,
+                                uint32_t height_px) {
+    struct ap_viewer viewer = {
+        .space = room->scene->space, .mode = room->view, .world_from_nose = world_from_head};
+    for (int eye = 0; eye < 2; eye++)
+        viewer.eye[eye] =
+            (struct ap_view_eye){.view_from_eye = views[eye].view_from_eye,
+                                 .frustum = eye_frustum(&views[eye], width_px, height_px)};
+    return viewer;
+}

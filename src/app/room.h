@@ -1,0 +1,55 @@
+#ifndef ANTIPODE_APP_ROOM_H
+#define ANTIPODE_APP_ROOM_H
+
+#include "src/app/command.h"
+#include "src/scene/scene.h"
+#include "src/track/tracker.h"
+#include "src/view/view.h"
+#include "xr/client.h"
+
+// What `replay` and `play` have in common: a scene, the tracker that brings room poses into it, and
+// the viewer that the eyes make of the head's virtual pose.
+
+struct ap_room_options {
+    const char *space, *scene, *tracker, *view;    // NULL: not given
+    double radius_m, table_edge_m, table_height_m; // NAN: not given
+};
+
+#define AP_ROOM_OPTIONS_NONE                                                                       \
+    ((struct ap_room_options){.radius_m = NAN, .table_edge_m = NAN, .table_height_m = NAN})
+
+// The options' table entries, for a command that takes them.
+#define AP_ROOM_OPTION_TABLE(o)                                                                    \
+    {"space", AP_OPTION_CHOICE, &(o).space, "h3|s3|e3", "the space (default: the scene's, h3)"},   \
+        {"radius", AP_OPTION_NUMBER, &(o).radius_m, "M", "its radius in metres"},                  \
+        {"view", AP_OPTION_CHOICE, &(o).view, "native|tourist",                                    \
+         "each distance as it is, or eyes in the curved space"},                                   \
+        {"tracker", AP_OPTION_CHOICE, &(o).tracker, "billiards|anchor|naive",                      \
+         "default billiards with a table, else anchor"},                                           \
+        {"scene", AP_OPTION_TEXT, &(o).scene, "FILE", "a scene (default: the billiards room)"},    \
+        {"table-edge", AP_OPTION_NUMBER, &(o).table_edge_m, "M",                                   \
+         "edge of the real square table (0.9)"},                                                   \
+    {                                                                                              \
+        "table-height", AP_OPTION_NUMBER, &(o).table_height_m, "M", "its height (0.75)"            \
+    }
+
+struct ap_room {
+    struct ap_scene *scene;
+    struct ap_tracker *tracker;
+    struct ap_tracker_params tracker_params;
+    enum ap_view_mode view;
+    bool has_table; // the room has a physical table
+};
+
+// Command line before scene file before defaults. AP_USAGE or AP_INPUT where they contradict.
+enum ap_status ap_room_open(struct ap_error *err, const struct ap_room_options *options,
+                            struct ap_room *room);
+void ap_room_close(struct ap_room *room);
+
+// Both eyes at the head's virtual pose. Pictures are width×height; an eye whose own part is smaller
+// gets a wider frustum, so that its part of the picture has just its own field of view.
+struct ap_viewer ap_room_viewer(const struct ap_room *room, struct ap_iso world_from_head,
+                                const struct ap_xr_view views[2], uint32_t width_px,
+                                uint32_t height_px);
+
+#endif
