@@ -1,0 +1,32 @@
+// What every draw of a frame shares, and what belongs to one draw; src/render/frame.h is the same in
+// C. Lengths in metres, points of the space over rho.
+
+struct View {
+    mat4 eye_from_tangent; // native: rigid, metres
+    vec4 projection;       // clip x = x·projection.x + z·projection.z; y likewise with .y and .w
+};
+
+layout(std140, set = 0, binding = 0) uniform Frame {
+    View view[2];
+    vec4 depth[2]; // tourist: depth = (w·depth.x − z·depth.y)/−z, one for each image
+    int kappa, tourist;
+    float rho;      // metres
+    float near;     // metres; native: depth = near/−z
+    float forbidden; // nothing nearer than so many metres to the eye or its antipode is drawn
+    float forbidden_sine; // S(forbidden/rho)
+};
+
+// Kinds of Draw.shape.z
+const float MESH = 0.0, BALL = 1.0, SHEET = 2.0;
+
+struct Draw {
+    mat4 to[2];  // native: nose_from_part, twice; tourist: eye_from_part of each eye
+    vec4 lamp;   // the lamp in the part's coordinates
+    vec4 nose;   // the nose likewise
+    vec4 color;  // linear; a is 1 where the part is lit
+    vec4 shape;  // of a ball S and C of its radius; kind; image
+};
+
+layout(std430, set = 0, binding = 1) readonly buffer Draws {
+    Draw draws[];
+};
