@@ -25,6 +25,7 @@ static const char help[] =
 struct options {
     struct ap_room_options room;
     const char *headset, *frames, *dir, *table_at, *up, *head_frame;
+    double pictures; // NAN: as --frames says
     bool force, stats, skip_bad;
 };
 
@@ -159,12 +160,12 @@ static void print_stats(const struct ap_replay *replay) {
            t->wait_ms, t->track_ms, t->draw_ms, t->end_ms);
 }
 
-static enum ap_status replay_into(struct ap_error *err, const struct options *o, const char *log,
-                                  const char *command, struct ap_replay *replay) {
+static enum ap_status replay_into(struct ap_error *err, const char *log, const char *command,
+                                  struct ap_replay *replay) {
     clear_dir(replay->dir);
     enum ap_status st = ap_replay_write_poses(err, replay);
     if (!st)
-        st = ap_replay_write_settings(err, replay, o->frames);
+        st = ap_replay_write_settings(err, replay);
     char *settings = st ? NULL : ap_path_join(replay->dir, "sim.json");
     if (!st)
         st = ap_runtime_use_simulated(err, settings);
@@ -185,24 +186,42 @@ static enum ap_status replay_into(struct ap_error *err, const struct options *o,
     return st ? st : finish(err, replay);
 }
 
+// "A:B:STEP" of what is to be drawn, once the number of frames is known.
+static enum ap_status choose_frames(struct ap_error *err, const struct options *o,
+                                    int64_t frame_count, char *text, size_t size) {
+    struct ap_range range = AP_RANGE_ALL;
+    if (o->frames && !isnan(o->pictures))
+        return ap_fail(err, AP_USAGE, "--frames and --pictures contradict: give one of them");
+    if (!isnan(o->pictures) && !(o->pictures >= 1))
+        return ap_fail(err, AP_USAGE, "--pictures: expected a number of at least 1");
+    if (!isnan(o->pictures))
+        range.step = (int64_t)fmax(1, floor((double)frame_count / o->pictures));
+    enum ap_status st = o->frames ? ap_range_parse(err, o->frames, &range) : AP_OK;
+    if (!st && range.end == INT64_MAX)
+        snprintf(text, size, "%lld::%lld", (long long)range.first, (long long)range.step);
+    else if (!st)
+        snprintf(text, size, "%lld:%lld:%lld", (long long)range.first, (long long)range.end,
+                 (long long)range.step);
+    return st;
+}
+
 static enum ap_status open_replay(struct ap_error *err, const struct options *o, char **logs,
                                   int log_count, struct ap_replay *replay) {
-    struct ap_range range;
-    enum ap_status st = ap_range_parse(err, o->frames, &range);
-    if (!st)
-        st = read_headset(err, o->headset, &replay->headset);
+    enum ap_status st = read_headset(err, o->headset, &replay->headset);
     if (!st)
         st = ap_room_open(err, &o->room, &replay->room);
     if (!st)
         st = read_timeline(err, o, (const char *const *)logs, log_count, &replay->timeline);
-    if (!st)
-        replay->frame_count = ap_timeline_frame_count(replay->timeline, replay->headset.refresh_hz);
+    if (st)
+        return st;
+    replay->frame_count = ap_timeline_frame_count(replay->timeline, replay->headset.refresh_hz);
+    st = choose_frames(err, o, replay->frame_count, replay->frames, sizeof replay->frames);
     return st ? st : check_dir(err, o);
 }
 
 static enum ap_status run(struct ap_error *err, int argc, char **argv) {
     struct options o = {.room = AP_ROOM_OPTIONS_NONE,
-                        .frames = "::",
+                        .pictures = NAN,
                         .dir = "antipode-out",
                         .up = "y",
                         .head_frame = "head"};
@@ -210,6 +229,7 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         AP_ROOM_OPTION_TABLE(o.room),
         {"headset", AP_OPTION_TEXT, &o.headset, "FILE", "headset profile (default: standard)"},
         {"frames", AP_OPTION_TEXT, &o.frames, "A:B:STEP", "frames to draw, half open (all)"},
+        {"pictures", AP_OPTION_NUMBER, &o.pictures, "N", "instead: about N, evenly over the log"},
         {"out", AP_OPTION_TEXT, &o.dir, "DIR", "where to write (antipode-out)"},
         {"force", AP_OPTION_FLAG, &o.force, "", "replace a capture in DIR"},
         {"table-at", AP_OPTION_TEXT, &o.table_at, "X,Z,YAW",
@@ -236,7 +256,7 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
     struct ap_replay replay = {.dir = o.dir};
     st = open_replay(err, &o, argv + 1, logs, &replay);
     if (!st)
-        st = replay_into(err, &o, argv[1], command, &replay);
+        st = replay_into(err, argv[1], command, &replay);
     if (!st && o.stats)
         print_stats(&replay);
     if (!st && replay.interrupted)

@@ -33,6 +33,7 @@ struct ap_replay {
     struct ap_timeline *timeline;
     struct ap_headset_profile headset;
     int64_t frame_count;
+    char frames[80]; // "A:B:STEP": those that are drawn
     struct ap_replay_tables tables;
     struct ap_replay_totals totals;
     int64_t *captured; // frame numbers, in order
@@ -63,8 +64,7 @@ void ap_replay_write_timing(struct ap_replay *replay, int64_t frame, double wait
 // DIR/poses.csv: the merged log in the table's frame, which the simulated headset replays.
 // DIR/sim.json: the simulated headset's settings.
 enum ap_status ap_replay_write_poses(struct ap_error *err, const struct ap_replay *replay);
-enum ap_status ap_replay_write_settings(struct ap_error *err, const struct ap_replay *replay,
-                                        const char *frames);
+enum ap_status ap_replay_write_settings(struct ap_error *err, const struct ap_replay *replay);
 
 // DIR/capture.json.
 enum ap_status ap_replay_write_capture(struct ap_error *err, const struct ap_replay *replay,

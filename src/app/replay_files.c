@@ -113,11 +113,10 @@ enum ap_status ap_replay_write_poses(struct ap_error *err, const struct ap_repla
     return ap_outfile_commit(err, &file);
 }
 
-enum ap_status ap_replay_write_settings(struct ap_error *err, const struct ap_replay *replay,
-                                        const char *frames) {
+enum ap_status ap_replay_write_settings(struct ap_error *err, const struct ap_replay *replay) {
     json_t *root = json_pack("{s:o, s:{s:[s]}, s:s, s:{s:s, s:s}}", "headset",
                              ap_headset_to_json(&replay->headset), "poses", "logs", "./poses.csv",
-                             "clock", "virtual", "capture", "dir", ".", "frames", frames);
+                             "clock", "virtual", "capture", "dir", ".", "frames", replay->frames);
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
     char *path = ap_path_join(replay->dir, "sim.json");
