@@ -44,10 +44,10 @@ struct ap_part {
     int solid;            // index into scene->solids
     double color_srgb[3]; // 0…1, as written in the file; unlit parts show exactly this
     bool lit;
-    bool hidden;          // not drawn (a hand that is not tracked is handled by the renderer)
-    char name[64];        // target name, or ""
-    bool target;          // an unlit ball with a colour used once
-    int object;           // index of the scene object it came from
+    bool hidden;   // not drawn (a hand that is not tracked is handled by the renderer)
+    char name[64]; // target name, or ""
+    bool target;   // an unlit ball with a colour used once
+    int object;    // index of the scene object it came from
 };
 
 struct ap_scene {
@@ -57,16 +57,16 @@ struct ap_scene {
     size_t part_count;
     struct ap_solid *solids;
     size_t solid_count;
-    bool has_table;   // a {"table": {}} object: the room has a physical table
+    bool has_table; // a {"table": {}} object: the room has a physical table
     double table_edge_m, table_height_m;
     struct ap_vec4 lamp; // where lit parts are lit from (world)
 };
 
 struct ap_scene_params {
-    const char *space_name;  // NULL: the file's, else h3
-    double radius_m;         // 0: the file's, else the table's for table_edge_m (s3, h3), else 1
-    double table_edge_m;     // 0: 0.9, or what radius_m says
-    double table_height_m;   // 0: 0.75
+    const char *space_name; // NULL: the file's, else h3
+    double radius_m;        // 0: the file's, else the table's for table_edge_m (s3, h3), else 1
+    double table_edge_m;    // 0: 0.9, or what radius_m says
+    double table_height_m;  // 0: 0.75
 };
 
 // From a scene file. AP_INPUT names the place ("room.json: /objects/3/ball/radius_m: …").

@@ -1,0 +1,34 @@
+#ifndef ANTIPODE_SCENE_MESH_H
+#define ANTIPODE_SCENE_MESH_H
+
+#include "src/geom/pose.h"
+#include "src/scene/scene.h"
+
+// A solid that grows. Zero-initialised it is empty; finish drops what it holds. When memory runs
+// out it remembers, and takes nothing more.
+struct ap_mesh {
+    struct ap_solid solid;
+    size_t vertex_room, index_room;
+    bool out_of_memory;
+    bool mirrored; // what is added is reflected in x = 0
+};
+
+void ap_mesh_finish(struct ap_mesh *mesh);
+
+// position metres, normal unit; returns the vertex's index.
+unsigned ap_mesh_vertex(struct ap_mesh *mesh, struct ap_vec3 position, struct ap_vec3 normal);
+
+// Counterclockwise from outside.
+void ap_mesh_triangle(struct ap_mesh *mesh, unsigned a, unsigned b, unsigned c);
+
+// An ellipsoid with the semi-axes `radii`, placed by mesh_from_shape.
+void ap_mesh_ellipsoid(struct ap_mesh *mesh, struct ap_pose mesh_from_shape, struct ap_vec3 radii);
+
+// What is within r0…r1 of the segment a…b: a round-ended, tapering limb.
+void ap_mesh_limb(struct ap_mesh *mesh, struct ap_vec3 a, double r0, struct ap_vec3 b, double r1);
+
+// The zone of a sphere about the origin between latitudes ±half_width_rad round the x axis' great
+// circle (its plane is y–z): the stripe of a billiard ball.
+void ap_mesh_band(struct ap_mesh *mesh, double radius_m, double half_width_rad);
+
+#endif

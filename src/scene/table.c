@@ -1,0 +1,129 @@
+#include "src/scene/build.h"
+
+#include <stdlib.h>
+
+double ap_rail_radius(const struct ap_table_shape *table) {
+    return fmin(0.025, 0.07 * table->inradius_m);
+}
+
+// The stick's frame lies along z; edges run along x.
+static struct ap_iso along_x(void) {
+    return ap_iso_rotate_y(M_PI / 2);
+}
+
+static struct ap_iso along_y(void) {
+    return ap_iso_rotate(ap_quat_from_axis_angle((struct ap_vec3){1, 0, 0}, M_PI / 2));
+}
+
+static struct ap_iso world_from_corner(const struct ap_table_shape *t, int k) {
+    return ap_iso_mul(ap_iso_rotate_y((2 * k + 1) * M_PI / t->sides),
+                      ap_shift(t->space, 0, 0, -t->circumradius_m));
+}
+
+// Felt, a rail along each edge as a geodesic tube whose axis is the edge itself, so that it follows
+// the edge in every space; the felt ends inside of it. Sights on the rails, legs at the corners.
+void ap_furnish_table(struct ap_scene_build *build) {
+    const struct ap_table_shape *t = &build->table;
+    double rail = ap_rail_radius(t);
+    ap_build_part(build, ap_polygon_part(AP_ISO_IDENTITY, t->sides, t->edge_m, 0x1f7a4a));
+    for (int k = 0; k < t->sides; k++) {
+        struct ap_iso edge = ap_table_edge_frame(t, k);
+        ap_build_part(build, ap_stick_part(ap_iso_mul(edge, along_x()), t->edge_m, rail, 0x6b3f22));
+        for (int i = -1; i <= 1; i++) {
+            struct ap_iso along = ap_iso_mul(edge, ap_shift(t->space, i * t->edge_m / 4, 0, 0));
+            struct ap_iso top = ap_iso_mul(along, ap_shift(t->space, 0, rail, 0));
+            ap_build_part(build, ap_ball_part(top, 0.16 * rail, 0xf0e8d0));
+        }
+        struct ap_iso corner = world_from_corner(t, k);
+        ap_build_part(build, ap_ball_part(corner, 1.25 * rail, 0xb08d3c));
+        double leg = t->space.kappa > 0 ? fmin(0.7, 0.8 * t->space.rho_m) : 0.7;
+        struct ap_iso middle = ap_iso_mul(corner, ap_shift(t->space, 0, -leg / 2, 0));
+        ap_build_part(build,
+                      ap_stick_part(ap_iso_mul(middle, along_y()), leg, 0.9 * rail, 0x4a2c18));
+    }
+}
+
+// The tiling of the table's plane: whoever walks round the table walks over it. A tile is reached
+// by turning half a circle about the middle of an edge of one that is there.
+enum { MAX_TILES = 160 };
+
+struct tile {
+    struct ap_iso world_from_tile;
+    int ring;
+};
+
+static bool same_place(struct ap_space space, struct ap_vec4 p, struct ap_vec4 q) {
+    double dx = p.x - q.x, dy = p.y - q.y, dz = p.z - q.z, dw = p.w - q.w;
+    // w tells the two points of s3 apart that lie over one another; far off in h3 all four are
+    // large.
+    double scale = fmax(fabs(p.w), space.rho_m);
+    return hypot(hypot(dx, dy), hypot(dz, dw)) < 1e-6 * scale;
+}
+
+static struct ap_vec4 place_of(const struct ap_iso *world_from_part, struct ap_space space) {
+    return ap_iso_apply(world_from_part, (struct ap_vec4){0, 0, 0, space.rho_m});
+}
+
+static struct ap_iso across_edge(const struct ap_table_shape *t, const struct ap_iso *tile, int k) {
+    struct ap_iso edge = ap_table_edge_frame(t, k);
+    struct ap_iso turned = ap_iso_mul(edge, ap_iso_rotate_y(M_PI));
+    // Back by the same way: the new tile's edge 0 is the shared one.
+    struct ap_iso next = ap_iso_mul(turned, ap_shift(t->space, 0, 0, t->inradius_m));
+    return ap_iso_mul(*tile, next);
+}
+
+static int grow_tiling(const struct ap_table_shape *t, int rings, struct tile *tiles) {
+    int count = 1;
+    tiles[0] = (struct tile){AP_ISO_IDENTITY, 0};
+    for (int i = 0; i < count && tiles[i].ring < rings; i++)
+        for (int k = 0; k < t->sides && count < MAX_TILES; k++) {
+            struct tile next = {across_edge(t, &tiles[i].world_from_tile, k), tiles[i].ring + 1};
+            struct ap_vec4 p = place_of(&next.world_from_tile, t->space);
+            bool known = false;
+            for (int j = 0; j < count && !known; j++)
+                known = same_place(t->space, p, place_of(&tiles[j].world_from_tile, t->space));
+            if (!known)
+                tiles[count++] = next;
+        }
+    return count;
+}
+
+// The struts of tile i that no earlier tile has; the table's own edges have rails.
+static void add_struts(struct ap_scene_build *build, const struct tile *tiles, int i) {
+    const struct ap_table_shape *t = &build->table;
+    for (int k = 0; k < t->sides; k++) {
+        struct ap_iso edge = ap_iso_mul(tiles[i].world_from_tile, ap_table_edge_frame(t, k));
+        struct ap_vec4 p = place_of(&edge, t->space);
+        bool known = false;
+        for (int j = 0; j < i && !known; j++)
+            for (int m = 0; m < t->sides && !known; m++) {
+                struct ap_iso other =
+                    ap_iso_mul(tiles[j].world_from_tile, ap_table_edge_frame(t, m));
+                known = same_place(t->space, p, place_of(&other, t->space));
+            }
+        if (!known)
+            ap_build_part(build, ap_stick_part(ap_iso_mul(edge, along_x()), t->edge_m,
+                                               0.24 * ap_rail_radius(t), 0x93a3b8));
+    }
+}
+
+// In s3 the plane is a sphere that closes above the visitor's head, so its tiles are small islands
+// between the struts: one sees past them to what lies beyond, and the long way round.
+void ap_furnish_tiling(struct ap_scene_build *build) {
+    const struct ap_table_shape *t = &build->table;
+    struct tile *tiles = malloc(MAX_TILES * sizeof *tiles);
+    if (!tiles) {
+        build->out_of_memory = true;
+        return;
+    }
+    static const unsigned rgb[2] = {0x2c4a5e, 0x54486a};
+    double filled = t->space.kappa > 0 ? 0.45 : 0.94;
+    int count = grow_tiling(t, t->space.kappa < 0 ? 3 : 4, tiles);
+    for (int i = 1; i < count; i++) {
+        ap_build_part(build, ap_polygon_part(tiles[i].world_from_tile, t->sides, filled * t->edge_m,
+                                             rgb[tiles[i].ring % 2]));
+        if (tiles[i].ring <= 2) // beyond, tiles are small and many, and tell enough themselves
+            add_struts(build, tiles, i);
+    }
+    free(tiles);
+}
