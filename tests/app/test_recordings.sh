@@ -1,0 +1,26 @@
+#!/bin/sh
+# The real recordings, where they are at hand (ANTIPODE_SHARED): a walk round a desk in s3 with a
+# table edge of 2 m, gaps and all, and a room-scale session with head and both hands.
+. "$ANTIPODE_SOURCE/tests/app/lib.sh"
+poses=${ANTIPODE_SHARED:-}/data/poses
+if [ -z "${ANTIPODE_SHARED:-}" ] || [ ! -d "$poses" ]; then
+	echo "skipped: ANTIPODE_SHARED does not name a folder with data/poses"
+	exit 77
+fi
+ci=$source_dir/src/device/headsets/ci.json
+"$antipode" replay --space s3 --table-edge 2 --headset "$ci" --pictures 4 --out "$work/desk" \
+	"$poses/desk_walk_head.csv" >"$work/log" 2>&1 || fail "desk walk: $(tail -n 2 "$work/log")"
+awk -F, 'NR > 1 {n[$4]++} END {print n["exact"] + 0, n["interpolated"] + 0, n["lost"] + 0;
+	exit !(n["interpolated"] > 1000 && n["lost"] > 1000)}' "$work/desk/frames.csv" >"$work/states" ||
+	fail "desk walk: exact, interpolated, lost: $(cat "$work/states")"
+echo "desk walk: exact, interpolated, lost: $(cat "$work/states")"
+for space in h3 s3 e3; do
+	"$antipode" replay --space $space --tracker anchor --headset "$ci" --pictures 3 --out "$work/v$space" \
+		"head=$poses/vive_room_head.tum" "left=$poses/vive_room_left.tum" \
+		"right=$poses/vive_room_right.tum" >"$work/log" 2>&1 || fail "vive $space: $(tail -n 2 "$work/log")"
+	for d in head left right; do
+		rows=$(awk -F, -v d=$d '$3 == d' "$work/v$space/frames.csv" | wc -l)
+		[ "$rows" -gt 2500 ] || fail "vive $space: $rows rows of $d"
+	done
+done
+finish
