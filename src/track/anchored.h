@@ -2,7 +2,13 @@
 #define ANTIPODE_TRACK_ANCHORED_H
 
 #include "src/geom/isometry.h"
-#include "src/track/wide.h"
+
+// An isometry in double-double: the sum of two matrices, hi the nearest doubles. A virtual pose is
+// the product of thousands of increments, and in h3 an error made far out comes back multiplied by
+// e^(2·distance/rho), which double alone does not carry. Nobody but src/track computes with lo.
+struct ap_wide_iso {
+    struct ap_iso hi, lo;
+};
 
 // Body coherence in general (Weeks 2021, section 3.2). The caller chooses an anchor: any frame it
 // computes from head, hands and objects, as a pose in the room. The anchor's motion from one frame

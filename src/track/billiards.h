@@ -4,7 +4,7 @@
 #include <stdint.h>
 
 #include "src/geom/isometry.h"
-#include "src/track/wide.h"
+#include "src/track/anchored.h"
 
 // Private to src/track: the perimeter of the square table, and poses hung on its edge (Weeks 2021,
 // section 3.1; shared conventions, "Billiards table and its tracker").

@@ -6,7 +6,7 @@
 #include "src/geom/pose.h"
 #include "src/geom/space.h"
 #include "src/geom/dd.h"
-#include "src/track/wide.h"
+#include "src/track/anchored.h"
 
 // Private to src/track: physical motions re-read as motions of the curved space, in double-double.
 // Quaternions need not be unit: the rotation is that of q/|q|, exactly.
