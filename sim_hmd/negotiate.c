@@ -1,0 +1,141 @@
+#include "sim_hmd/negotiate.h"
+
+#include <string.h>
+
+#include "sim_hmd/runtime.h"
+#include "src/base/log.h"
+
+XrResult XRAPI_CALL xrNegotiateLoaderRuntimeInterface(const struct sim_loader_info *loader,
+                                                      struct sim_runtime_request *request) {
+    if (!loader || !request || loader->structType != SIM_LOADER_INFO ||
+        loader->structVersion != 1 || loader->structSize != sizeof *loader ||
+        request->structType != SIM_RUNTIME_REQUEST || request->structVersion != 1 ||
+        request->structSize != sizeof *request)
+        return XR_ERROR_INITIALIZATION_FAILED;
+    if (loader->minInterfaceVersion > SIM_INTERFACE_VERSION ||
+        loader->maxInterfaceVersion < SIM_INTERFACE_VERSION ||
+        loader->minApiVersion > XR_CURRENT_API_VERSION ||
+        loader->maxApiVersion < XR_MAKE_VERSION(1, 0, 0))
+        return XR_ERROR_INITIALIZATION_FAILED;
+    ap_log_set_prefix("antipode-sim");
+    request->runtimeInterfaceVersion = SIM_INTERFACE_VERSION;
+    request->runtimeApiVersion = XR_CURRENT_API_VERSION;
+    request->getInstanceProcAddr = xrGetInstanceProcAddr;
+    return XR_SUCCESS;
+}
+
+// When a function may be asked for.
+enum when { ALWAYS, INSTANCE, VULKAN, VULKAN2, TIMESPEC };
+
+struct entry {
+    const char *name;
+    PFN_xrVoidFunction function;
+    enum when when;
+};
+
+#define ENTRY(name, when)                                                                          \
+    { #name, (PFN_xrVoidFunction)name, when }
+
+static const struct entry entries[] = {
+    ENTRY(xrGetInstanceProcAddr, INSTANCE),
+    ENTRY(xrEnumerateApiLayerProperties, ALWAYS),
+    ENTRY(xrEnumerateInstanceExtensionProperties, ALWAYS),
+    ENTRY(xrCreateInstance, ALWAYS),
+    ENTRY(xrDestroyInstance, INSTANCE),
+    ENTRY(xrGetInstanceProperties, INSTANCE),
+    ENTRY(xrPollEvent, INSTANCE),
+    ENTRY(xrResultToString, INSTANCE),
+    ENTRY(xrStructureTypeToString, INSTANCE),
+    ENTRY(xrGetSystem, INSTANCE),
+    ENTRY(xrGetSystemProperties, INSTANCE),
+    ENTRY(xrEnumerateEnvironmentBlendModes, INSTANCE),
+    ENTRY(xrCreateSession, INSTANCE),
+    ENTRY(xrDestroySession, INSTANCE),
+    ENTRY(xrEnumerateReferenceSpaces, INSTANCE),
+    ENTRY(xrCreateReferenceSpace, INSTANCE),
+    ENTRY(xrGetReferenceSpaceBoundsRect, INSTANCE),
+    ENTRY(xrCreateActionSpace, INSTANCE),
+    ENTRY(xrLocateSpace, INSTANCE),
+    ENTRY(xrDestroySpace, INSTANCE),
+    ENTRY(xrEnumerateViewConfigurations, INSTANCE),
+    ENTRY(xrGetViewConfigurationProperties, INSTANCE),
+    ENTRY(xrEnumerateViewConfigurationViews, INSTANCE),
+    ENTRY(xrEnumerateSwapchainFormats, INSTANCE),
+    ENTRY(xrCreateSwapchain, INSTANCE),
+    ENTRY(xrDestroySwapchain, INSTANCE),
+    ENTRY(xrEnumerateSwapchainImages, INSTANCE),
+    ENTRY(xrAcquireSwapchainImage, INSTANCE),
+    ENTRY(xrWaitSwapchainImage, INSTANCE),
+    ENTRY(xrReleaseSwapchainImage, INSTANCE),
+    ENTRY(xrBeginSession, INSTANCE),
+    ENTRY(xrEndSession, INSTANCE),
+    ENTRY(xrRequestExitSession, INSTANCE),
+    ENTRY(xrWaitFrame, INSTANCE),
+    ENTRY(xrBeginFrame, INSTANCE),
+    ENTRY(xrEndFrame, INSTANCE),
+    ENTRY(xrLocateViews, INSTANCE),
+    ENTRY(xrStringToPath, INSTANCE),
+    ENTRY(xrPathToString, INSTANCE),
+    ENTRY(xrCreateActionSet, INSTANCE),
+    ENTRY(xrDestroyActionSet, INSTANCE),
+    ENTRY(xrCreateAction, INSTANCE),
+    ENTRY(xrDestroyAction, INSTANCE),
+    ENTRY(xrSuggestInteractionProfileBindings, INSTANCE),
+    ENTRY(xrAttachSessionActionSets, INSTANCE),
+    ENTRY(xrGetCurrentInteractionProfile, INSTANCE),
+    ENTRY(xrGetActionStateBoolean, INSTANCE),
+    ENTRY(xrGetActionStateFloat, INSTANCE),
+    ENTRY(xrGetActionStateVector2f, INSTANCE),
+    ENTRY(xrGetActionStatePose, INSTANCE),
+    ENTRY(xrSyncActions, INSTANCE),
+    ENTRY(xrEnumerateBoundSourcesForAction, INSTANCE),
+    ENTRY(xrGetInputSourceLocalizedName, INSTANCE),
+    ENTRY(xrApplyHapticFeedback, INSTANCE),
+    ENTRY(xrStopHapticFeedback, INSTANCE),
+    ENTRY(xrGetVulkanInstanceExtensionsKHR, VULKAN),
+    ENTRY(xrGetVulkanDeviceExtensionsKHR, VULKAN),
+    ENTRY(xrGetVulkanGraphicsDeviceKHR, VULKAN),
+    ENTRY(xrGetVulkanGraphicsRequirementsKHR, VULKAN),
+    ENTRY(xrCreateVulkanInstanceKHR, VULKAN2),
+    ENTRY(xrCreateVulkanDeviceKHR, VULKAN2),
+    ENTRY(xrGetVulkanGraphicsDevice2KHR, VULKAN2),
+    ENTRY(xrGetVulkanGraphicsRequirements2KHR, VULKAN2),
+    ENTRY(xrConvertTimespecTimeToTimeKHR, TIMESPEC),
+    ENTRY(xrConvertTimeToTimespecTimeKHR, TIMESPEC),
+};
+
+static bool enabled(const struct sim_instance *instance, enum when when) {
+    switch (when) {
+    case ALWAYS:
+        return true;
+    case INSTANCE:
+        return instance != NULL;
+    case VULKAN:
+        return instance && instance->vulkan_enable;
+    case VULKAN2:
+        return instance && instance->vulkan_enable2;
+    case TIMESPEC:
+        return instance && instance->timespec;
+    }
+    return false;
+}
+
+XrResult XRAPI_CALL xrGetInstanceProcAddr(XrInstance handle, const char *name,
+                                          PFN_xrVoidFunction *function) {
+    SIM_LOCKED;
+    if (!name || !function)
+        return XR_ERROR_VALIDATION_FAILURE;
+    *function = NULL;
+    const struct sim_instance *instance = sim_instance_get(handle);
+    if (handle && !instance)
+        return XR_ERROR_HANDLE_INVALID;
+    for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
+        if (strcmp(entries[i].name, name) != 0)
+            continue;
+        if (!enabled(instance, entries[i].when))
+            return instance ? XR_ERROR_FUNCTION_UNSUPPORTED : XR_ERROR_HANDLE_INVALID;
+        *function = entries[i].function;
+        return XR_SUCCESS;
+    }
+    return instance ? XR_ERROR_FUNCTION_UNSUPPORTED : XR_ERROR_HANDLE_INVALID;
+}

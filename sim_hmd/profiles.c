@@ -1,0 +1,216 @@
+#include "sim_hmd/profiles.h"
+
+#include <stddef.h>
+#include <string.h>
+
+const char *const sim_top_paths[SIM_TOP_COUNT] = {"/user/hand/left", "/user/hand/right",
+                                                  "/user/head", "/user/gamepad", "/user/treadmill"};
+
+#define L (1u << SIM_TOP_LEFT)
+#define R (1u << SIM_TOP_RIGHT)
+#define LR (L | R)
+#define HEAD (1u << SIM_TOP_HEAD)
+#define PAD (1u << SIM_TOP_GAMEPAD)
+
+#define POSES                                                                                      \
+    {"/input/grip/pose", SIM_POSE, SIM_GRIP, LR}, {                                                \
+        "/input/aim/pose", SIM_POSE, SIM_AIM, LR                                                   \
+    }
+#define BUTTON(path, tops)                                                                         \
+    { path, SIM_BOOL, SIM_REST, tops }
+#define AXIS(path, tops)                                                                           \
+    { path, SIM_FLOAT, SIM_REST, tops }
+#define STICK(path, tops)                                                                          \
+    {path, SIM_VEC2, SIM_REST, tops}, {path "/x", SIM_FLOAT, SIM_REST, tops}, {                    \
+        path "/y", SIM_FLOAT, SIM_REST, tops                                                       \
+    }
+#define END                                                                                        \
+    { NULL, SIM_BOOL, SIM_REST, 0 }
+
+static const struct sim_component touch[] = {
+    BUTTON("/input/x/click", L),
+    BUTTON("/input/x/touch", L),
+    BUTTON("/input/y/click", L),
+    BUTTON("/input/y/touch", L),
+    BUTTON("/input/menu/click", L),
+    BUTTON("/input/a/click", R),
+    BUTTON("/input/a/touch", R),
+    BUTTON("/input/b/click", R),
+    BUTTON("/input/b/touch", R),
+    BUTTON("/input/system/click", R),
+    {"/input/squeeze/value", SIM_FLOAT, SIM_SQUEEZE, LR},
+    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR},
+    BUTTON("/input/trigger/touch", LR),
+    STICK("/input/thumbstick", LR),
+    BUTTON("/input/thumbstick/click", LR),
+    BUTTON("/input/thumbstick/touch", LR),
+    BUTTON("/input/thumbrest/touch", LR),
+    POSES,
+    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR},
+    END,
+};
+
+static const struct sim_component index_controller[] = {
+    BUTTON("/input/system/click", LR),
+    BUTTON("/input/system/touch", LR),
+    BUTTON("/input/a/click", LR),
+    BUTTON("/input/a/touch", LR),
+    BUTTON("/input/b/click", LR),
+    BUTTON("/input/b/touch", LR),
+    {"/input/squeeze/value", SIM_FLOAT, SIM_SQUEEZE, LR},
+    AXIS("/input/squeeze/force", LR),
+    {"/input/trigger/click", SIM_BOOL, SIM_TRIGGER, LR},
+    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR},
+    BUTTON("/input/trigger/touch", LR),
+    STICK("/input/thumbstick", LR),
+    BUTTON("/input/thumbstick/click", LR),
+    BUTTON("/input/thumbstick/touch", LR),
+    STICK("/input/trackpad", LR),
+    AXIS("/input/trackpad/force", LR),
+    BUTTON("/input/trackpad/touch", LR),
+    POSES,
+    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR},
+    END,
+};
+
+static const struct sim_component motion[] = {
+    BUTTON("/input/menu/click", LR),
+    {"/input/squeeze/click", SIM_BOOL, SIM_SQUEEZE, LR},
+    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR},
+    STICK("/input/thumbstick", LR),
+    BUTTON("/input/thumbstick/click", LR),
+    STICK("/input/trackpad", LR),
+    BUTTON("/input/trackpad/click", LR),
+    BUTTON("/input/trackpad/touch", LR),
+    POSES,
+    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR},
+    END,
+};
+
+static const struct sim_component vive[] = {
+    BUTTON("/input/system/click", LR),
+    {"/input/squeeze/click", SIM_BOOL, SIM_SQUEEZE, LR},
+    BUTTON("/input/menu/click", LR),
+    {"/input/trigger/click", SIM_BOOL, SIM_TRIGGER, LR},
+    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR},
+    STICK("/input/trackpad", LR),
+    BUTTON("/input/trackpad/click", LR),
+    BUTTON("/input/trackpad/touch", LR),
+    POSES,
+    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR},
+    END,
+};
+
+static const struct sim_component simple[] = {
+    {"/input/select/click", SIM_BOOL, SIM_SELECT, LR},
+    BUTTON("/input/menu/click", LR),
+    POSES,
+    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR},
+    END,
+};
+
+static const struct sim_component go[] = {
+    BUTTON("/input/system/click", LR),
+    {"/input/trigger/click", SIM_BOOL, SIM_TRIGGER, LR},
+    BUTTON("/input/back/click", LR),
+    STICK("/input/trackpad", LR),
+    BUTTON("/input/trackpad/click", LR),
+    BUTTON("/input/trackpad/touch", LR),
+    POSES,
+    END,
+};
+
+static const struct sim_component daydream[] = {
+    {"/input/select/click", SIM_BOOL, SIM_SELECT, LR},
+    STICK("/input/trackpad", LR),
+    BUTTON("/input/trackpad/click", LR),
+    BUTTON("/input/trackpad/touch", LR),
+    POSES,
+    END,
+};
+
+static const struct sim_component vive_pro[] = {
+    BUTTON("/input/system/click", HEAD),
+    BUTTON("/input/volume_up/click", HEAD),
+    BUTTON("/input/volume_down/click", HEAD),
+    BUTTON("/input/mute_mic/click", HEAD),
+    END,
+};
+
+static const struct sim_component gamepad[] = {
+    BUTTON("/input/menu/click", PAD),
+    BUTTON("/input/view/click", PAD),
+    BUTTON("/input/a/click", PAD),
+    BUTTON("/input/b/click", PAD),
+    BUTTON("/input/x/click", PAD),
+    BUTTON("/input/y/click", PAD),
+    BUTTON("/input/dpad_down/click", PAD),
+    BUTTON("/input/dpad_right/click", PAD),
+    BUTTON("/input/dpad_up/click", PAD),
+    BUTTON("/input/dpad_left/click", PAD),
+    BUTTON("/input/shoulder_left/click", PAD),
+    BUTTON("/input/shoulder_right/click", PAD),
+    BUTTON("/input/thumbstick_left/click", PAD),
+    BUTTON("/input/thumbstick_right/click", PAD),
+    AXIS("/input/trigger_left/value", PAD),
+    AXIS("/input/trigger_right/value", PAD),
+    STICK("/input/thumbstick_left", PAD),
+    STICK("/input/thumbstick_right", PAD),
+    {"/output/haptic_left", SIM_HAPTIC, SIM_REST, PAD},
+    {"/output/haptic_right", SIM_HAPTIC, SIM_REST, PAD},
+    {"/output/haptic_left_trigger", SIM_HAPTIC, SIM_REST, PAD},
+    {"/output/haptic_right_trigger", SIM_HAPTIC, SIM_REST, PAD},
+    END,
+};
+
+const struct sim_profile sim_profiles[] = {
+    {"/interaction_profiles/oculus/touch_controller", "Touch controller", touch},
+    {"/interaction_profiles/valve/index_controller", "Index controller", index_controller},
+    {"/interaction_profiles/microsoft/motion_controller", "Motion controller", motion},
+    {"/interaction_profiles/htc/vive_controller", "Vive controller", vive},
+    {"/interaction_profiles/khr/simple_controller", "Simple controller", simple},
+    {"/interaction_profiles/oculus/go_controller", "Go controller", go},
+    {"/interaction_profiles/google/daydream_controller", "Daydream controller", daydream},
+    {"/interaction_profiles/htc/vive_pro", "Vive Pro", vive_pro},
+    {"/interaction_profiles/microsoft/xbox_controller", "Gamepad", gamepad},
+    {NULL, NULL, NULL},
+};
+
+int sim_profile_find(const char *path) {
+    for (int i = 0; sim_profiles[i].path; i++)
+        if (strcmp(sim_profiles[i].path, path) == 0)
+            return i;
+    return -1;
+}
+
+// "/input/trigger" stands for the first component of the trigger, as "/input/trigger/value".
+static bool names(const char *component, const char *path) {
+    size_t n = strlen(path);
+    return strncmp(component, path, n) == 0 && (component[n] == '\0' || component[n] == '/');
+}
+
+static const struct sim_component *find(const struct sim_component *c, const char *path, int top) {
+    const struct sim_component *parent = NULL;
+    for (; c->path; c++) {
+        if (!(c->tops & 1u << top))
+            continue;
+        if (strcmp(c->path, path) == 0)
+            return c;
+        if (!parent && strchr(path + 1, '/') && names(c->path, path))
+            parent = c;
+    }
+    return parent;
+}
+
+const struct sim_component *sim_profile_component(int profile, const char *path, int *top) {
+    for (int t = 0; t < SIM_TOP_COUNT; t++) {
+        size_t n = strlen(sim_top_paths[t]);
+        if (strncmp(path, sim_top_paths[t], n) != 0 || path[n] != '/')
+            continue;
+        const struct sim_component *c = find(sim_profiles[profile].components, path + n, t);
+        if (c)
+            *top = t;
+        return c;
+    }
+    return NULL;
+}

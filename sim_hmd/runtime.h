@@ -1,0 +1,214 @@
+#ifndef ANTIPODE_SIM_HMD_RUNTIME_H
+#define ANTIPODE_SIM_HMD_RUNTIME_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <time.h>
+#include <vulkan/vulkan.h>
+
+#define XR_USE_GRAPHICS_API_VULKAN
+#define XR_USE_TIMESPEC
+#define XR_EXTENSION_PROTOTYPES
+#include <openxr/openxr.h>
+#include <openxr/openxr_platform.h>
+
+#include "sim_hmd/frame.h"
+#include "sim_hmd/handles.h"
+#include "sim_hmd/pacer.h"
+#include "sim_hmd/profiles.h"
+#include "sim_hmd/settings.h"
+#include "sim_hmd/source.h"
+
+// The runtime's objects. The api_*.c files hold the functions of OpenXR under their own names (they
+// are hidden; the loader gets them from xrGetInstanceProcAddr): they take the lock, verify their
+// arguments and dispatch. Everything declared here wants the lock held.
+
+enum { SIM_SYSTEM_ID = 1, SIM_MAX_EVENTS = 128, SIM_MAX_IMAGES = 3 };
+
+struct sim_paths {
+    char **text; // XrPath = place + 1
+    uint32_t count, capacity;
+};
+
+struct sim_events {
+    XrEventDataBuffer queue[SIM_MAX_EVENTS];
+    XrSession session[SIM_MAX_EVENTS]; // whom it is about
+    uint32_t first, count, lost;
+};
+
+struct sim_suggestion {
+    int profile; // of sim_profiles
+    uint64_t action;
+    const struct sim_component *component;
+    int top; // enum sim_top
+};
+
+struct sim_instance {
+    struct sim_object object;
+    struct sim_settings settings;
+    struct sim_source *source;
+    int64_t epoch_ns;
+    bool vulkan_enable, vulkan_enable2, timespec, headless;
+    bool requirements_called;
+    struct sim_paths paths;
+    struct sim_events events;
+    struct sim_suggestion *suggestions;
+    uint32_t suggestion_count, suggestion_capacity;
+    struct sim_session *session;
+};
+
+struct sim_session {
+    struct sim_object object;
+    struct sim_instance *instance;
+    bool headless;
+    struct ap_gpu gpu;
+    struct sim_compositor *compositor;
+    int64_t formats[16];
+    uint32_t format_count;
+    XrSessionState state;
+    bool running, exit_requested, lost;
+    struct sim_pacer pacer;
+    int64_t frame_limit; // frames of this session; −1: no end
+    // The frame loop: waited frames that are not begun, and the begun one that is not ended.
+    bool waited, begun;
+    struct sim_prediction waited_frame, begun_frame;
+    // Images of swapchains that were destroyed while the queue may still have worked on them.
+    struct sim_garbage *garbage;
+    // Actions.
+    bool attached, profile_announced;
+    int profile;      // of sim_profiles; −1: none
+    int64_t input_ns; // XrTime of the last xrSyncActions
+};
+
+struct sim_space {
+    struct sim_object object;
+    struct sim_session *session;
+    bool is_action;
+    XrReferenceSpaceType reference;
+    uint64_t action;
+    int top; // −1: any
+    struct ap_pose parent_from_space;
+};
+
+struct sim_garbage {
+    struct sim_garbage *next;
+    struct ap_gpu_image image[SIM_MAX_IMAGES];
+};
+
+struct sim_swapchain {
+    struct sim_object object;
+    struct sim_session *session;
+    XrSwapchainCreateInfo info; // next is NULL
+    VkImageAspectFlags aspect;
+    bool depth, static_image;
+    bool used; // an image was acquired once: the layouts are set, the queue may work on it
+    uint32_t image_count;
+    struct ap_gpu_image image[SIM_MAX_IMAGES];
+    uint32_t next;     // the next to acquire; the acquired ones lie before it, oldest first
+    uint32_t acquired; // how many
+    bool waited;       // the oldest acquired one was waited for
+    int released;      // the last released image; −1: none yet
+};
+
+struct sim_action_set {
+    struct sim_object object;
+    char name[XR_MAX_ACTION_SET_NAME_SIZE];
+    char localized[XR_MAX_LOCALIZED_ACTION_SET_NAME_SIZE];
+    uint32_t priority;
+    bool attached;    // once, to a session that may be gone
+    uint64_t session; // its handle
+};
+
+struct sim_action_state {
+    bool active, changed;
+    float x, y; // bool: 0 or 1 in x
+    XrTime changed_at;
+};
+
+struct sim_action {
+    struct sim_object object;
+    struct sim_action_set *set;
+    char name[XR_MAX_ACTION_NAME_SIZE];
+    char localized[XR_MAX_LOCALIZED_ACTION_NAME_SIZE];
+    XrActionType type;
+    bool top[SIM_TOP_COUNT]; // subaction paths it was made with
+    bool has_tops;
+    struct sim_action_state state[SIM_TOP_COUNT];
+    struct sim_action_state combined;
+};
+
+static inline uint64_t sim_raw(const void *handle) {
+    return (uint64_t)(uintptr_t)handle;
+}
+#define SIM_HANDLE(handle_type, o) ((handle_type)(uintptr_t)(o)->object.handle)
+
+// A structure of the caller's is there and is of this type.
+static inline bool sim_is(const void *structure, XrStructureType type) {
+    return structure && ((const XrBaseInStructure *)structure)->type == type;
+}
+
+struct sim_instance *sim_instance_get(XrInstance handle);
+// XR_ERROR_HANDLE_INVALID, or XR_ERROR_SESSION_LOST.
+XrResult sim_session_get(XrSession handle, struct sim_session **session);
+struct sim_space *sim_space_get(XrSpace handle);
+XrResult sim_swapchain_get(XrSwapchain handle, struct sim_swapchain **swapchain);
+
+// The two calls of every list: *count = n always; items are copied where capacity is not zero.
+XrResult sim_two_calls(uint32_t capacity, uint32_t *count, uint32_t n, const void *items,
+                       size_t size, void *out);
+XrResult sim_two_call_text(uint32_t capacity, uint32_t *count, const char *text, char *out);
+
+// paths.c
+bool sim_path_valid(const char *text);
+XrResult sim_path_make(struct sim_paths *paths, const char *text, XrPath *path);
+const char *sim_path_text(const struct sim_paths *paths, XrPath path); // NULL: unknown
+int sim_path_top(const struct sim_paths *paths, XrPath path);          // enum sim_top; −1: none
+void sim_paths_finish(struct sim_paths *paths);
+
+// events.c
+void sim_events_push(struct sim_events *events, XrSession session, const void *event, size_t size);
+bool sim_events_pop(struct sim_events *events, XrEventDataBuffer *event);
+void sim_events_forget(struct sim_events *events, XrSession session);
+
+// session.c: the state machine.
+void sim_session_set_state(struct sim_session *session, XrSessionState state);
+bool sim_session_shows(const struct sim_session *session);
+// SYNCHRONIZED, VISIBLE, FOCUSED at once: frame 0 is drawn, captured and has its input.
+void sim_session_show(struct sim_session *session);
+void sim_session_ask_to_end(struct sim_session *session);
+void sim_session_lose(struct sim_session *session, const char *what);
+void sim_session_collect_garbage(struct sim_session *session);
+
+// api_vulkan.c: the device that programs must use, the fastest kind there is.
+XrResult sim_choose_device(VkInstance vulkan, VkPhysicalDevice *out);
+
+// spaces.c
+struct sim_located {
+    enum ap_pose_state state;
+    struct ap_pose pose; // stage_from_space; the identity where there is none
+};
+struct sim_located sim_space_in_stage(const struct sim_space *space, XrTime time);
+struct sim_located sim_head_in_stage(const struct sim_session *session, XrTime time);
+bool sim_pose_from_xr(XrPosef in, struct ap_pose *out); // false: XR_ERROR_POSE_INVALID
+XrPosef sim_pose_to_xr(struct ap_pose pose);
+XrFovf sim_fov(const struct sim_session *session, int eye);
+enum ap_pose_state sim_worse_state(enum ap_pose_state a, enum ap_pose_state b);
+XrSpaceLocationFlags sim_location_flags(enum ap_pose_state state);
+
+// layers.c: verifies what xrEndFrame was given and resolves it.
+XrResult sim_layers_resolve(struct sim_session *session, const XrFrameEndInfo *info,
+                            struct sim_frame *frame);
+
+// api_action.c: XR_NULL_PATH gives −1; XR_ERROR_PATH_UNSUPPORTED where the action was not made with
+// the path.
+XrResult sim_subaction(const struct sim_instance *instance, const struct sim_action *action,
+                       XrPath path, int *top);
+
+// actions.c
+void sim_actions_choose_profile(struct sim_session *session);
+void sim_actions_update(struct sim_session *session, const XrActionsSyncInfo *info);
+// The place in the world of a pose action's binding; NULL where it has none.
+const struct sim_component *sim_actions_binding(const struct sim_session *session, uint64_t action,
+                                                int top, int *bound_top);
+
+#endif

@@ -1,0 +1,302 @@
+#include "sim_hmd/settings.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "src/base/file.h"
+#include "src/base/json.h"
+#include "src/base/number.h"
+
+static const char *const top_keys[] = {"headset", "poses",   "clock",  "refresh_hz",
+                                       "frames",  "capture", "window", NULL};
+static const char *const log_keys[] = {"logs", "up", "head_frame", "skip_bad", "table_at", NULL};
+static const char *const script_keys[] = {"script",     "table_edge_m", "table_height_m",
+                                          "duration_s", "seed",         NULL};
+static const char *const window_keys[] = {"window", NULL};
+static const char *const capture_keys[] = {"dir", "frames", NULL};
+
+// Relative paths are relative to the settings file's folder. malloc'ed, NULL without memory.
+static char *resolve_path(const char *settings_path, const char *path) {
+    const char *slash = strrchr(settings_path, '/');
+    if (path[0] == '/' || !slash)
+        return strdup(path);
+    char *dir = strndup(settings_path, (size_t)(slash - settings_path) + 1);
+    char *joined = dir ? ap_path_join(dir, path) : NULL;
+    free(dir);
+    return joined;
+}
+
+static enum ap_status no_memory(struct ap_error *err) {
+    return ap_fail(err, AP_ENVIRONMENT, "out of memory");
+}
+
+static enum ap_status read_headset(struct ap_error *err, const struct ap_json_at *root,
+                                   struct sim_settings *s) {
+    struct ap_json_at at = ap_json_member(root, "headset");
+    if (json_is_object(at.value))
+        return ap_headset_parse(err, &at, &s->profile);
+    const char *name;
+    enum ap_status st = ap_json_string(err, root, "headset", &name);
+    if (st)
+        return st;
+    char *path = resolve_path(root->file, name);
+    if (!path)
+        return no_memory(err);
+    st = ap_headset_read(err, path, &s->profile);
+    free(path);
+    return st;
+}
+
+// "role=PATH" keeps its role; a '=' after a '/' belongs to the path.
+static char *resolve_log(const char *settings_path, const char *source) {
+    const char *equals = strchr(source, '='), *slash = strchr(source, '/');
+    if (!equals || (slash && slash < equals))
+        return resolve_path(settings_path, source);
+    char *path = resolve_path(settings_path, equals + 1);
+    if (!path)
+        return NULL;
+    size_t role = (size_t)(equals - source) + 1, size = role + strlen(path) + 1;
+    char *whole = malloc(size);
+    if (whole) {
+        memcpy(whole, source, role);
+        memcpy(whole + role, path, size - role);
+    }
+    free(path);
+    return whole;
+}
+
+static enum ap_status read_log_list(struct ap_error *err, const struct ap_json_at *poses,
+                                    struct sim_settings *s) {
+    struct ap_json_at logs = ap_json_member(poses, "logs");
+    size_t count = json_array_size(logs.value);
+    if (count < 1 || count > 256)
+        return ap_json_fail(err, &logs, "expected a list of 1 to 256 pose logs");
+    s->logs = calloc(count, sizeof *s->logs);
+    if (!s->logs)
+        return no_memory(err);
+    for (; s->log_count < count; s->log_count++) {
+        struct ap_json_at at = ap_json_element(&logs, s->log_count);
+        const char *source = json_string_value(at.value);
+        if (!source || !*source)
+            return ap_json_fail(err, &at, "expected \"[head=|left=|right=]FILE\"");
+        if (strcmp(source, "-") == 0 || strstr(source, "=-") == source + strlen(source) - 2)
+            return ap_json_fail(err, &at, "standard input belongs to the program; name a file");
+        s->logs[s->log_count] = resolve_log(poses->parent->file, source);
+        if (!s->logs[s->log_count])
+            return no_memory(err);
+    }
+    return AP_OK;
+}
+
+// A member that is one of two words; absent leaves *second alone.
+static enum ap_status read_choice(struct ap_error *err, const struct ap_json_at *object,
+                                  const char *key, const char *first_word, const char *second_word,
+                                  bool *second) {
+    if (!ap_json_has(object, key))
+        return AP_OK;
+    struct ap_json_at at = ap_json_member(object, key);
+    const char *word;
+    enum ap_status st = ap_json_string(err, object, key, &word);
+    if (st)
+        return st;
+    if (strcmp(word, first_word) != 0 && strcmp(word, second_word) != 0)
+        return ap_json_fail(err, &at, "expected \"%s\" or \"%s\"", first_word, second_word);
+    *second = strcmp(word, second_word) == 0;
+    return AP_OK;
+}
+
+static enum ap_status read_logs(struct ap_error *err, const struct ap_json_at *poses,
+                                struct sim_settings *s) {
+    s->poses = SIM_POSES_LOGS;
+    bool optical = false;
+    double table[3];
+    enum ap_status st = ap_json_check_keys(err, poses, log_keys);
+    if (!st)
+        st = read_log_list(err, poses, s);
+    if (!st)
+        st = read_choice(err, poses, "up", "y", "z", &s->z_up);
+    if (!st)
+        st = read_choice(err, poses, "head_frame", "head", "optical", &optical);
+    if (!st && ap_json_has(poses, "skip_bad"))
+        st = ap_json_bool(err, poses, "skip_bad", &s->skip_bad);
+    if (!st && ap_json_has(poses, "table_at")) {
+        st = ap_json_numbers(err, poses, "table_at", 3, table);
+        if (!st) {
+            s->has_table = true;
+            s->table_x_m = table[0];
+            s->table_z_m = table[1];
+            s->table_yaw_rad = table[2];
+        }
+    }
+    s->head_frame = optical ? AP_HEAD_FRAME_OPTICAL : AP_HEAD_FRAME_HEAD;
+    return st;
+}
+
+static enum ap_status read_positive(struct ap_error *err, const struct ap_json_at *object,
+                                    const char *key, double max, double *value) {
+    if (!ap_json_has(object, key))
+        return AP_OK;
+    struct ap_json_at at = ap_json_member(object, key);
+    double number;
+    enum ap_status st = ap_json_number(err, object, key, &number);
+    if (st)
+        return st;
+    if (!(number > 0 && number <= max))
+        return ap_json_fail(err, &at, "expected a number > 0 and at most %g", max);
+    *value = number;
+    return AP_OK;
+}
+
+static enum ap_status read_count(struct ap_error *err, const struct ap_json_at *object,
+                                 const char *key, int64_t *value) {
+    struct ap_json_at at = ap_json_member(object, key);
+    if (!json_is_integer(at.value) || json_integer_value(at.value) < 1)
+        return ap_json_fail(err, &at, "expected a whole number of at least 1");
+    *value = json_integer_value(at.value);
+    return AP_OK;
+}
+
+static enum ap_status read_script(struct ap_error *err, const struct ap_json_at *poses,
+                                  struct sim_settings *s) {
+    s->poses = SIM_POSES_WALK;
+    const char *script;
+    struct ap_json_at at = ap_json_member(poses, "script");
+    int64_t seed = 0;
+    enum ap_status st = ap_json_check_keys(err, poses, script_keys);
+    if (!st)
+        st = ap_json_string(err, poses, "script", &script);
+    if (!st && strcmp(script, "walk") != 0)
+        st = ap_json_fail(err, &at, "no such script; there is \"walk\"");
+    if (!st)
+        st = read_positive(err, poses, "table_edge_m", 100, &s->walk.table_edge_m);
+    if (!st)
+        st = read_positive(err, poses, "table_height_m", 3, &s->walk.table_height_m);
+    if (!st)
+        st = read_positive(err, poses, "duration_s", 86400, &s->walk.duration_s);
+    if (!st && ap_json_has(poses, "seed"))
+        st = read_count(err, poses, "seed", &seed);
+    s->walk.seed = (uint64_t)seed;
+    return st;
+}
+
+static enum ap_status read_poses(struct ap_error *err, const struct ap_json_at *root,
+                                 struct sim_settings *s) {
+    struct ap_json_at poses = ap_json_member(root, "poses");
+    if (json_object_get(poses.value, "logs"))
+        return read_logs(err, &poses, s);
+    if (json_object_get(poses.value, "script"))
+        return read_script(err, &poses, s);
+    bool window;
+    enum ap_status st = ap_json_check_keys(err, &poses, window_keys);
+    if (!st && !ap_json_has(&poses, "window"))
+        st = ap_json_fail(err, &poses, "expected \"logs\", \"script\" or \"window\"");
+    if (!st)
+        st = ap_json_bool(err, &poses, "window", &window);
+    if (st)
+        return st;
+    s->poses = window ? SIM_POSES_WINDOW : SIM_POSES_WALK;
+    s->window |= window;
+    return AP_OK;
+}
+
+// One part of A:B:STEP: empty leaves *value alone.
+static bool read_part(const char *text, size_t len, int64_t min, int64_t *value) {
+    int64_t number;
+    if (len == 0)
+        return true;
+    if (!ap_parse_int64(text, len, &number) || number < min)
+        return false;
+    *value = number;
+    return true;
+}
+
+static bool parse_range(const char *text, struct sim_settings *s) {
+    size_t a = strcspn(text, ":");
+    if (!text[a]) // one number: that frame alone
+        return a > 0 && read_part(text, a, 0, &s->capture_first) && s->capture_first < INT64_MAX &&
+               (s->capture_end = s->capture_first + 1) > 0;
+    const char *second = text + a + 1;
+    size_t b = strcspn(second, ":");
+    const char *third = second[b] ? second + b + 1 : second + b;
+    return read_part(text, a, 0, &s->capture_first) && read_part(second, b, 0, &s->capture_end) &&
+           read_part(third, strlen(third), 1, &s->capture_step);
+}
+
+static enum ap_status read_capture(struct ap_error *err, const struct ap_json_at *root,
+                                   struct sim_settings *s) {
+    struct ap_json_at capture = ap_json_member(root, "capture");
+    const char *dir, *frames = ":";
+    enum ap_status st = ap_json_check_keys(err, &capture, capture_keys);
+    if (!st)
+        st = ap_json_string(err, &capture, "dir", &dir);
+    if (!st && ap_json_has(&capture, "frames"))
+        st = ap_json_string(err, &capture, "frames", &frames);
+    if (st)
+        return st;
+    struct ap_json_at at = ap_json_member(&capture, "frames");
+    if (!parse_range(frames, s))
+        return ap_json_fail(err, &at, "expected \"A:B:STEP\", each part optional, STEP at least 1");
+    s->capture_dir = resolve_path(root->file, dir);
+    return s->capture_dir ? AP_OK : no_memory(err);
+}
+
+static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *root,
+                               struct sim_settings *s) {
+    bool virtual_clock = false;
+    enum ap_status st = ap_json_check_keys(err, root, top_keys);
+    if (!st && ap_json_has(root, "headset"))
+        st = read_headset(err, root, s);
+    if (!st && ap_json_has(root, "poses"))
+        st = read_poses(err, root, s);
+    if (!st)
+        st = read_choice(err, root, "clock", "real", "virtual", &virtual_clock);
+    s->clock = virtual_clock ? SIM_CLOCK_VIRTUAL : SIM_CLOCK_REAL;
+    if (!st)
+        st = read_positive(err, root, "refresh_hz", 10000, &s->profile.refresh_hz);
+    if (!st && ap_json_has(root, "frames"))
+        st = read_count(err, root, "frames", &s->frames);
+    if (!st && ap_json_has(root, "capture"))
+        st = read_capture(err, root, s);
+    if (!st && ap_json_has(root, "window")) {
+        bool window;
+        st = ap_json_bool(err, root, "window", &window);
+        if (!st)
+            s->window |= window;
+    }
+    return st;
+}
+
+enum ap_status sim_settings_read(struct ap_error *err, const char *path,
+                                 struct sim_settings *settings) {
+    struct sim_settings s = {
+        .profile = ap_headset_builtin(), .capture_end = INT64_MAX, .capture_step = 1};
+    if (path) {
+        json_t *root = NULL;
+        enum ap_status st = ap_json_read(err, path, &root);
+        if (st)
+            return st;
+        struct ap_json_at at = ap_json_root(root, path);
+        st = read_all(err, &at, &s);
+        json_decref(root);
+        if (st) {
+            sim_settings_finish(&s);
+            return st;
+        }
+    }
+    *settings = s;
+    return AP_OK;
+}
+
+void sim_settings_finish(struct sim_settings *settings) {
+    for (size_t i = 0; i < settings->log_count; i++)
+        free(settings->logs[i]);
+    free(settings->logs);
+    free(settings->capture_dir);
+    *settings = (struct sim_settings){0};
+}
+
+bool sim_settings_captures(const struct sim_settings *settings, int64_t frame) {
+    return settings->capture_dir && frame >= settings->capture_first &&
+           frame < settings->capture_end &&
+           (frame - settings->capture_first) % settings->capture_step == 0;
+}

@@ -1,0 +1,159 @@
+#include "sim_hmd/source.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "sim_hmd/pacer.h"
+#include "sim_hmd/source_window.h"
+#include "src/device/walk.h"
+
+// A backend answers in its own time: nanoseconds since the session's first frame.
+struct backend {
+    enum ap_pose_state (*at)(const struct sim_source *source, enum sim_device device, int64_t ns,
+                             struct ap_sample *sample);
+    int64_t (*frame_count)(const struct sim_source *source, double refresh_hz); // NULL: no end
+    void (*input)(struct sim_source *source, const struct sim_window_input *input,
+                  double step_s); // NULL: none
+};
+
+struct sim_source {
+    const struct backend *backend;
+    int64_t first_xr_ns;
+    struct ap_timeline *timeline; // logs
+    int log_device[SIM_DEVICE_COUNT];
+    struct ap_walk_params walk;
+    struct sim_window_player player; // window
+};
+
+static const char *const device_names[SIM_DEVICE_COUNT] = {"head", "left", "right"};
+
+static enum ap_pose_state log_at(const struct sim_source *s, enum sim_device device, int64_t ns,
+                                 struct ap_sample *sample) {
+    if (s->log_device[device] < 0)
+        return AP_POSE_NONE;
+    int64_t t0 = ap_timeline_start_ns(s->timeline), t;
+    if (__builtin_add_overflow(t0, ns, &t))
+        return AP_POSE_NONE;
+    return ap_timeline_at(s->timeline, s->log_device[device], t, sample);
+}
+
+static int64_t log_frame_count(const struct sim_source *s, double refresh_hz) {
+    return ap_timeline_frame_count(s->timeline, refresh_hz);
+}
+
+static enum ap_pose_state walk_at(const struct sim_source *s, enum sim_device device, int64_t ns,
+                                  struct ap_sample *sample) {
+    *sample = ap_walk_at(&s->walk, (int)device, ns);
+    return AP_POSE_EXACT;
+}
+
+// A walk on the virtual clock ends like a recording of it.
+static int64_t walk_frame_count(const struct sim_source *s, double refresh_hz) {
+    return (int64_t)floor(ap_walk_duration_s(&s->walk) * refresh_hz + 1e-9) + 1;
+}
+
+static enum ap_pose_state window_at(const struct sim_source *s, enum sim_device device, int64_t ns,
+                                    struct ap_sample *sample) {
+    *sample = sim_window_player_at(&s->player, device);
+    sample->t_ns = ns;
+    return AP_POSE_EXACT;
+}
+
+static void window_input(struct sim_source *s, const struct sim_window_input *input,
+                         double step_s) {
+    sim_window_player_step(&s->player, input, step_s);
+}
+
+static const struct backend backends[] = {
+    [SIM_POSES_WALK] = {.at = walk_at, .frame_count = walk_frame_count},
+    [SIM_POSES_LOGS] = {.at = log_at, .frame_count = log_frame_count},
+    [SIM_POSES_WINDOW] = {.at = window_at, .input = window_input},
+};
+
+static enum ap_status load_logs(struct ap_error *err, const struct sim_settings *settings,
+                                struct sim_source *s) {
+    struct ap_poselog *log = NULL;
+    enum ap_status st = ap_poselog_open(err,
+                                        &(struct ap_poselog_params){
+                                            .sources = (const char *const *)settings->logs,
+                                            .source_count = settings->log_count,
+                                            .z_up = settings->z_up,
+                                            .head_frame = settings->head_frame,
+                                            .skip_bad = settings->skip_bad,
+                                            .has_table = settings->has_table,
+                                            .table_x_m = settings->table_x_m,
+                                            .table_z_m = settings->table_z_m,
+                                            .table_yaw_rad = settings->table_yaw_rad,
+                                        },
+                                        &log);
+    if (st)
+        return st;
+    st = ap_timeline_load(err, log, &s->timeline);
+    ap_poselog_close(log);
+    if (st)
+        return st;
+    for (int d = 0; d < SIM_DEVICE_COUNT; d++)
+        s->log_device[d] = ap_timeline_find_device(s->timeline, device_names[d]);
+    return AP_OK;
+}
+
+enum ap_status sim_source_create(struct ap_error *err, const struct sim_settings *settings,
+                                 struct sim_source **source) {
+    struct sim_source *s = calloc(1, sizeof *s);
+    if (!s)
+        return ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    s->backend = &backends[settings->poses];
+    s->first_xr_ns = SIM_FIRST_TIME_NS;
+    s->walk = settings->walk;
+    sim_window_player_init(&s->player);
+    if (settings->poses == SIM_POSES_LOGS) {
+        enum ap_status st = load_logs(err, settings, s);
+        if (st) {
+            sim_source_destroy(s);
+            return st;
+        }
+    }
+    *source = s;
+    return AP_OK;
+}
+
+void sim_source_destroy(struct sim_source *source) {
+    if (!source)
+        return;
+    ap_timeline_destroy(source->timeline);
+    free(source);
+}
+
+void sim_source_start(struct sim_source *source, int64_t first_xr_ns) {
+    source->first_xr_ns = first_xr_ns;
+}
+
+enum ap_pose_state sim_source_at(const struct sim_source *source, enum sim_device device,
+                                 int64_t xr_ns, struct ap_sample *sample) {
+    int64_t ns;
+    if (__builtin_sub_overflow(xr_ns, source->first_xr_ns, &ns))
+        return AP_POSE_NONE;
+    return source->backend->at(source, device, ns, sample);
+}
+
+int64_t sim_source_frame_count(const struct sim_source *source, double refresh_hz) {
+    return source->backend->frame_count ? source->backend->frame_count(source, refresh_hz) : -1;
+}
+
+struct ap_pose sim_source_stage_from_local(const struct sim_source *source) {
+    struct ap_sample head;
+    if (source->backend->at(source, SIM_HEAD, 0, &head) == AP_POSE_NONE)
+        return (struct ap_pose){.p = {0, 1.6, 0}, .q = AP_QUAT_IDENTITY};
+    // Yaw from where the head looks; straight up or down it is the head's own twist.
+    struct ap_vec3 ahead = ap_quat_rotate(head.pose.q, (struct ap_vec3){0, 0, -1});
+    double yaw = hypot(ahead.x, ahead.z) > 1e-6 ? atan2(-ahead.x, -ahead.z)
+                                                : 2 * atan2(head.pose.q.y, head.pose.q.w);
+    return (struct ap_pose){.p = head.pose.p,
+                            .q = ap_quat_from_axis_angle((struct ap_vec3){0, 1, 0}, yaw)};
+}
+
+void sim_source_input(struct sim_source *source, const struct sim_window_input *input,
+                      double step_s) {
+    if (source->backend->input)
+        source->backend->input(source, input, step_s);
+}

@@ -1,0 +1,39 @@
+#ifndef ANTIPODE_SIM_HMD_SOURCE_H
+#define ANTIPODE_SIM_HMD_SOURCE_H
+
+#include <stdint.h>
+
+#include "sim_hmd/frame.h"
+#include "sim_hmd/settings.h"
+#include "src/device/timeline.h"
+
+// Where head and hands are at a time: pose logs, the scripted walk, or the window's keyboard and
+// mouse. Poses are in STAGE. Log time = XrTime − (XrTime of the session's first frame) + t_0; on
+// the virtual clock that first frame is at 1e9.
+
+enum sim_device { SIM_HEAD, SIM_LEFT, SIM_RIGHT, SIM_DEVICE_COUNT };
+
+struct sim_source;
+
+// Reads the logs to their end. AP_INPUT as their readers say it.
+enum ap_status sim_source_create(struct ap_error *err, const struct sim_settings *settings,
+                                 struct sim_source **source);
+void sim_source_destroy(struct sim_source *source);
+
+// When the session's first frame is shown.
+void sim_source_start(struct sim_source *source, int64_t first_xr_ns);
+
+enum ap_pose_state sim_source_at(const struct sim_source *source, enum sim_device device,
+                                 int64_t xr_ns, struct ap_sample *sample);
+
+// The frames of a session on the virtual clock; −1: no end.
+int64_t sim_source_frame_count(const struct sim_source *source, double refresh_hz);
+
+// LOCAL: under the first head pose's position and yaw, level.
+struct ap_pose sim_source_stage_from_local(const struct sim_source *source);
+
+// Steps what the window's keyboard and mouse move; the others ignore it.
+void sim_source_input(struct sim_source *source, const struct sim_window_input *input,
+                      double step_s);
+
+#endif
