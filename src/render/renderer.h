@@ -19,8 +19,14 @@ struct ap_renderer_params {
     uint32_t width, height; // of one eye; both eyes are drawn at one size
     uint32_t samples;       // 0: 4
     bool no_multiview;      // for the test that proves the two ways equal
+    bool no_cull;           // draw what no eye can see too: likewise
 };
 
+// Borrows gpu and scene, which must outlive the renderer; the parts' places, colours and `hidden`
+// may change between frames, their number and shapes may not. Where the physical device has the
+// multiview feature (core in Vulkan 1.1) the device must have been created with it, unless
+// no_multiview; nothing else is asked of the device. One thread. A queue that failed cannot be used
+// again: destroy the renderer.
 enum ap_status ap_renderer_create(struct ap_error *err, const struct ap_gpu *gpu,
                                   const struct ap_scene *scene,
                                   const struct ap_renderer_params *params,

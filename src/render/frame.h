@@ -1,0 +1,59 @@
+#ifndef ANTIPODE_RENDER_FRAME_H
+#define ANTIPODE_RENDER_FRAME_H
+
+#include <stdint.h>
+
+#include "src/geom/isometry.h"
+#include "src/view/view.h"
+
+// shaders/frame.glsl in C: what the CPU makes in double and hands over rounded once. Matrices are
+// column by column.
+
+struct ap_gpu_view {
+    float eye_from_tangent[16];
+    float projection[4];
+};
+
+// std140
+struct ap_gpu_frame {
+    struct ap_gpu_view view[2];
+    float depth[2][4];
+    int32_t kappa, tourist;
+    float rho, near;
+    float forbidden, forbidden_sine;
+    float pad[2];
+};
+
+enum { AP_DRAW_MESH, AP_DRAW_BALL, AP_DRAW_SHEET };
+
+// std430
+struct ap_gpu_draw {
+    float to[2][16];
+    float lamp[4], nose[4], color[4], shape[4];
+};
+
+// The eyes, as far as they do not depend on what is drawn.
+struct ap_eyes {
+    struct ap_iso eye_from_nose[2]; // tourist only
+    double reach_m;                 // the farther eye's distance from the nose
+    double pixels[2];               // pixels a unit of tangent, the larger of the two axes
+    double slope[2];                // the largest tangent at the picture's corners
+};
+struct ap_eyes ap_eyes_of(const struct ap_viewer *viewer, uint32_t width, uint32_t height);
+
+// Everything but depth[].
+struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer);
+
+// How the tourist's depth is spread: from the distance of the nearest to that of the farthest thing
+// drawn in each image (along the way it is seen; an image in which nothing is drawn is left alone).
+// Reversed: nearer is larger; in s3 image 0 gets the larger half.
+struct ap_depth_range {
+    double near_m[2], far_m[2];
+};
+void ap_frame_depth(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                    const struct ap_depth_range *range, struct ap_gpu_frame *frame);
+
+void ap_store_iso(const struct ap_iso *m, float columns[16]);
+void ap_store_point(struct ap_space space, struct ap_vec4 p, float out[4]); // over rho
+
+#endif

@@ -1,0 +1,148 @@
+#include "src/render/list.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
+                                   struct ap_draw_list *list) {
+    memset(list, 0, sizeof *list);
+    list->items = calloc(2 * part_count + 1, sizeof *list->items);
+    if (!list->items)
+        return ap_fail(err, AP_ENVIRONMENT, "no memory to draw %zu parts", part_count);
+    return AP_OK;
+}
+
+void ap_draw_list_destroy(struct ap_draw_list *list) {
+    free(list->items);
+    memset(list, 0, sizeof *list);
+}
+
+static int compare_items(const void *left, const void *right) {
+    const struct ap_draw_item *a = left, *b = right;
+    if (a->pipeline != b->pipeline)
+        return a->pipeline < b->pipeline ? -1 : 1;
+    if (a->mesh->first_index != b->mesh->first_index)
+        return a->mesh->first_index < b->mesh->first_index ? -1 : 1;
+    if (a->part != b->part)
+        return a->part < b->part ? -1 : 1;
+    return a->image - b->image;
+}
+
+static void count(struct ap_draw_list *list, const struct ap_draw_item *item, unsigned eyes) {
+    for (int e = 0; e < 2; e++) {
+        struct ap_eye_stats *stats = &list->stats.eye[e];
+        if (!(eyes >> e & 1)) {
+            stats->culled++;
+            continue;
+        }
+        stats->draws++;
+        stats->back_draws += item->image == 1;
+        stats->triangles += item->mesh->index_count / 3;
+        stats->vertices += item->mesh->vertex_count;
+    }
+}
+
+static enum ap_pipeline_kind pipeline_for(const struct ap_part *part, bool guard) {
+    if (guard)
+        return AP_PIPELINE_GUARD;
+    bool closed = part->kind == AP_PART_BALL || part->kind == AP_PART_STICK;
+    return closed ? AP_PIPELINE_CLOSED : AP_PIPELINE_TWOSIDED;
+}
+
+static void add_part(const struct ap_place_params *params, const struct ap_eyes *eyes,
+                     const struct ap_scene *scene, const struct ap_meshes *meshes, size_t index,
+                     struct ap_draw_list *list) {
+    const struct ap_viewer *viewer = params->viewer;
+    const struct ap_part *part = &scene->parts[index];
+    const struct ap_shape *shape = &meshes->shapes[meshes->shape_of_part[index]];
+    struct ap_place place = ap_place_part(params, part, meshes->reach_m[index]);
+    double turn = 2 * PI * viewer->space.rho_m;
+    for (int image = 0; image < (viewer->space.kappa > 0 ? 2 : 1); image++) {
+        struct ap_draw_item item = {.part = (uint32_t)index,
+                                    .image = image,
+                                    .eyes = place.eyes[image],
+                                    .mesh = &shape->mesh[0],
+                                    .nose_from_part = place.nose_from_part};
+        if (item.eyes != 0) {
+            bool guard = ap_needs_guard(viewer, eyes, &place);
+            item.pipeline = pipeline_for(part, guard);
+            item.mesh = &shape->mesh[ap_choose_level(viewer, eyes, part, shape, &place)];
+            double near_m = image ? turn - place.far_m : place.near_m,
+                   far_m = image ? turn - place.near_m : place.far_m;
+            list->range.near_m[image] = fmin(list->range.near_m[image], near_m);
+            list->range.far_m[image] = fmax(list->range.far_m[image], far_m);
+            list->items[list->count++] = item;
+        }
+        count(list, &item, item.eyes);
+    }
+}
+
+void ap_draw_list_fill(const struct ap_scene *scene, const struct ap_meshes *meshes,
+                       const struct ap_frame_input *input, const struct ap_eyes *eyes, bool no_cull,
+                       struct ap_draw_list *list) {
+    const struct ap_viewer *viewer = &input->viewer;
+    struct ap_iso nose_from_world = ap_iso_inverse(viewer->space, viewer->world_from_nose);
+    struct ap_place_params params = {.viewer = viewer, .no_cull = no_cull};
+    params.nose_from_carrier[AP_CARRIER_WORLD] = nose_from_world;
+    params.nose_from_carrier[AP_CARRIER_LEFT] =
+        ap_iso_mul(nose_from_world, input->world_from_hand[0]);
+    params.nose_from_carrier[AP_CARRIER_RIGHT] =
+        ap_iso_mul(nose_from_world, input->world_from_hand[1]);
+    list->count = 0;
+    memset(&list->stats, 0, sizeof list->stats);
+    for (int image = 0; image < 2; image++) {
+        list->range.near_m[image] = INFINITY;
+        list->range.far_m[image] = 0;
+    }
+    for (size_t i = 0; i < scene->part_count; i++) {
+        const struct ap_part *part = &scene->parts[i];
+        bool missing = (part->carrier == AP_CARRIER_LEFT && !input->hand_tracked[0]) ||
+                       (part->carrier == AP_CARRIER_RIGHT && !input->hand_tracked[1]);
+        if (!part->hidden && !missing)
+            add_part(&params, eyes, scene, meshes, i, list);
+    }
+    qsort(list->items, list->count, sizeof *list->items, compare_items);
+}
+
+float ap_linear_color(double srgb) {
+    return (float)(srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4));
+}
+
+static void write_item(const struct ap_scene *scene, const struct ap_frame_input *input,
+                       const struct ap_eyes *eyes, const struct ap_draw_item *item,
+                       struct ap_vec4 lamp_nose, struct ap_gpu_draw *draw) {
+    const struct ap_viewer *viewer = &input->viewer;
+    struct ap_space space = viewer->space;
+    const struct ap_part *part = &scene->parts[item->part];
+    for (int e = 0; e < 2; e++) {
+        struct ap_iso to = item->nose_from_part;
+        if (viewer->mode == AP_VIEW_TOURIST)
+            to = ap_iso_mul(eyes->eye_from_nose[e], to);
+        ap_store_iso(&to, draw->to[e]);
+    }
+    struct ap_iso part_from_nose = ap_iso_inverse(space, item->nose_from_part);
+    struct ap_vec4 nose = {0, 0, 0, space.rho_m};
+    ap_store_point(space, ap_iso_apply(&part_from_nose, lamp_nose), draw->lamp);
+    ap_store_point(space, ap_iso_apply(&part_from_nose, nose), draw->nose);
+    for (int i = 0; i < 3; i++)
+        draw->color[i] = ap_linear_color(part->color_srgb[i]);
+    draw->color[3] = part->lit ? 1 : 0;
+    double t = part->radius_m / space.rho_m;
+    draw->shape[0] = (float)ap_space_sin(space, t);
+    draw->shape[1] = (float)ap_space_cos(space, t);
+    draw->shape[2] = part->kind == AP_PART_BALL      ? AP_DRAW_BALL
+                     : part->kind == AP_PART_POLYGON ? AP_DRAW_SHEET
+                                                     : AP_DRAW_MESH;
+    draw->shape[3] = (float)item->image;
+}
+
+void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_input *input,
+                        const struct ap_eyes *eyes, const struct ap_draw_list *list,
+                        struct ap_gpu_draw *draws) {
+    struct ap_vec4 lamp = ap_nose_from_world(&input->viewer, scene->lamp).x;
+    for (size_t i = 0; i < list->count; i++)
+        write_item(scene, input, eyes, &list->items[i], lamp, &draws[i]);
+}

@@ -1,0 +1,43 @@
+#ifndef ANTIPODE_RENDER_LIST_H
+#define ANTIPODE_RENDER_LIST_H
+
+#include "src/render/pass.h"
+#include "src/render/place.h"
+#include "src/render/renderer.h"
+
+// What is drawn in a frame: a part in an image, for the eyes that may see it.
+struct ap_draw_item {
+    uint32_t part;
+    int image;
+    unsigned eyes;
+    enum ap_pipeline_kind pipeline;
+    const struct ap_mesh *mesh;
+    struct ap_iso nose_from_part;
+};
+
+struct ap_draw_list {
+    struct ap_draw_item *items; // 2·part_count
+    size_t count;
+    struct ap_depth_range range;
+    struct ap_frame_stats stats;
+};
+
+enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
+                                   struct ap_draw_list *list);
+void ap_draw_list_destroy(struct ap_draw_list *list);
+
+// Places every part, drops what no eye can see before any vertex is touched, and sorts the rest so
+// that equal meshes follow one another. The order depends on the input only.
+void ap_draw_list_fill(const struct ap_scene *scene, const struct ap_meshes *meshes,
+                       const struct ap_frame_input *input, const struct ap_eyes *eyes, bool no_cull,
+                       struct ap_draw_list *list);
+
+// Writes what the shaders need of each item.
+void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_input *input,
+                        const struct ap_eyes *eyes, const struct ap_draw_list *list,
+                        struct ap_gpu_draw *draws);
+
+// An sRGB component, 0…1, as linear light.
+float ap_linear_color(double srgb);
+
+#endif

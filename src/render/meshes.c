@@ -1,0 +1,185 @@
+#include "src/render/meshes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "src/geom/table.h"
+
+static const double PI = 3.14159265358979323846;
+static const int BALL_LEVELS = 7;
+static const int STICK_AROUND[] = {8, 16, 32, 64};
+static const int POLYGON_DIVISION[] = {4, 8, 16, 32, 64};
+static const int POLYGON_TRIANGLES_MAX = 20480; // a level with more is left out
+
+// Whether two parts can share their meshes.
+static bool same_shape(const struct ap_part *a, const struct ap_part *b) {
+    if (a->kind != b->kind)
+        return false;
+    switch (a->kind) {
+    case AP_PART_BALL:
+        return true;
+    case AP_PART_STICK:
+        return a->radius_m == b->radius_m && a->radius2_m == b->radius2_m &&
+               a->length_m == b->length_m;
+    case AP_PART_POLYGON:
+        return a->sides == b->sides && a->edge_m == b->edge_m;
+    case AP_PART_SOLID:
+        return a->solid == b->solid;
+    }
+    return false;
+}
+
+static enum ap_status add_polygon(struct ap_error *err, struct ap_space space,
+                                  const struct ap_part *part, struct ap_mesh_data *data,
+                                  struct ap_shape *shape) {
+    double circum, in;
+    enum ap_status st = ap_regular_polygon(err, space, part->sides, part->edge_m, &circum, &in);
+    for (size_t i = 0; st == AP_OK && i < sizeof POLYGON_DIVISION / sizeof *POLYGON_DIVISION; i++) {
+        int n = POLYGON_DIVISION[i], k = shape->levels;
+        // In e3 there is nothing to be gained by finer ones.
+        if (k > 0 && (space.kappa == 0 || part->sides * n * n > POLYGON_TRIANGLES_MAX))
+            break;
+        st = ap_mesh_polygon(err, space, part->sides, part->edge_m, n, data, &shape->mesh[k]);
+        // Steps are even in the chord, so in curved space some are longer than others.
+        shape->grain[k] = 1.3 * fmax(circum, part->edge_m) / n;
+        shape->levels++;
+    }
+    return st;
+}
+
+static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *scene,
+                                const struct ap_part *part, struct ap_mesh_data *data,
+                                struct ap_shape *shape) {
+    enum ap_status st = AP_OK;
+    memset(shape, 0, sizeof *shape);
+    switch (part->kind) {
+    case AP_PART_BALL:
+        for (int k = 0; st == AP_OK && k < BALL_LEVELS; k++)
+            st = ap_mesh_sphere(err, k, data, &shape->mesh[k], &shape->grain[k]);
+        shape->levels = BALL_LEVELS;
+        return st;
+    case AP_PART_STICK:
+        for (size_t k = 0; st == AP_OK && k < sizeof STICK_AROUND / sizeof *STICK_AROUND; k++) {
+            st = ap_mesh_stick(err, scene->space, part, STICK_AROUND[k], data, &shape->mesh[k]);
+            shape->grain[k] = PI / STICK_AROUND[k];
+            shape->levels++;
+        }
+        return st;
+    case AP_PART_POLYGON:
+        return add_polygon(err, scene->space, part, data, shape);
+    case AP_PART_SOLID:
+        shape->levels = 1;
+        return ap_mesh_solid(err, scene->space, &scene->solids[part->solid], data, &shape->mesh[0]);
+    }
+    return ap_fail(err, AP_INPUT, "a part of an unknown kind %d", (int)part->kind);
+}
+
+static enum ap_status reach_of(struct ap_error *err, const struct ap_scene *scene,
+                               const struct ap_part *part, double *reach_m) {
+    double circum = 0, in = 0;
+    enum ap_status st = AP_OK;
+    switch (part->kind) {
+    case AP_PART_BALL:
+        circum = part->radius_m;
+        break;
+    case AP_PART_STICK:
+        circum = part->length_m / 2 + fmax(part->radius_m, part->radius2_m);
+        break;
+    case AP_PART_POLYGON:
+        st = ap_regular_polygon(err, scene->space, part->sides, part->edge_m, &circum, &in);
+        break;
+    case AP_PART_SOLID:
+        circum = scene->solids[part->solid].reach_m;
+        break;
+    }
+    if (st == AP_OK)
+        *reach_m = circum;
+    return st;
+}
+
+static enum ap_status add_parts(struct ap_error *err, const struct ap_scene *scene,
+                                struct ap_mesh_data *data, struct ap_meshes *made,
+                                size_t *first_part) {
+    enum ap_status st = AP_OK;
+    for (size_t i = 0; st == AP_OK && i < scene->part_count; i++) {
+        const struct ap_part *part = &scene->parts[i];
+        size_t s = 0;
+        while (s < made->shape_count && !same_shape(&scene->parts[first_part[s]], part))
+            s++;
+        if (s == made->shape_count) {
+            st = add_shape(err, scene, part, data, &made->shapes[s]);
+            first_part[s] = i;
+            made->shape_count++;
+        }
+        made->shape_of_part[i] = s;
+        if (st == AP_OK)
+            st = reach_of(err, scene, part, &made->reach_m[i]);
+    }
+    return st;
+}
+
+static enum ap_status upload(struct ap_error *err, const struct ap_gpu *gpu, const void *bytes,
+                             size_t size, VkBufferUsageFlags usage, struct ap_gpu_buffer *buffer) {
+    struct ap_gpu_buffer staging = {0}, made = {0};
+    enum ap_status st =
+        ap_gpu_buffer_create(err, gpu, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true, &staging);
+    if (st == AP_OK)
+        st = ap_gpu_buffer_create(err, gpu, size, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, false,
+                                  &made);
+    VkCommandBuffer cmd = VK_NULL_HANDLE;
+    if (st == AP_OK)
+        st = ap_gpu_commands_begin(err, gpu, &cmd);
+    if (st == AP_OK) {
+        memcpy(staging.mapped, bytes, size);
+        vkCmdCopyBuffer(cmd, staging.buffer, made.buffer, 1, &(VkBufferCopy){0, 0, size});
+        st = ap_gpu_commands_end(err, gpu, cmd);
+    }
+    ap_gpu_buffer_destroy(gpu, &staging);
+    if (st == AP_OK)
+        *buffer = made;
+    else
+        ap_gpu_buffer_destroy(gpu, &made);
+    return st;
+}
+
+enum ap_status ap_meshes_create(struct ap_error *err, const struct ap_gpu *gpu,
+                                const struct ap_scene *scene, struct ap_meshes *meshes) {
+    struct ap_meshes made = {0};
+    struct ap_mesh_data data = {0};
+    size_t n = scene->part_count + 1; // an empty scene is a scene
+    enum ap_status st = AP_OK;
+    size_t *first_part = calloc(n, sizeof *first_part);
+    made.shapes = calloc(n, sizeof *made.shapes);
+    made.shape_of_part = calloc(n, sizeof *made.shape_of_part);
+    made.reach_m = calloc(n, sizeof *made.reach_m);
+    if (!first_part || !made.shapes || !made.shape_of_part || !made.reach_m) {
+        st = ap_fail(err, AP_ENVIRONMENT, "no memory for the meshes of %zu parts", n);
+        goto out;
+    }
+    st = add_parts(err, scene, &data, &made, first_part);
+    if (st != AP_OK || data.index_count == 0)
+        goto out;
+    st = upload(err, gpu, data.vertices, data.vertex_count * sizeof *data.vertices,
+                VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, &made.vertices);
+    if (st == AP_OK)
+        st = upload(err, gpu, data.indices, data.index_count * sizeof *data.indices,
+                    VK_BUFFER_USAGE_INDEX_BUFFER_BIT, &made.indices);
+out:
+    free(first_part);
+    ap_mesh_data_finish(&data);
+    if (st == AP_OK)
+        *meshes = made;
+    else
+        ap_meshes_destroy(gpu, &made);
+    return st;
+}
+
+void ap_meshes_destroy(const struct ap_gpu *gpu, struct ap_meshes *meshes) {
+    ap_gpu_buffer_destroy(gpu, &meshes->vertices);
+    ap_gpu_buffer_destroy(gpu, &meshes->indices);
+    free(meshes->shapes);
+    free(meshes->shape_of_part);
+    free(meshes->reach_m);
+    memset(meshes, 0, sizeof *meshes);
+}

@@ -1,0 +1,32 @@
+#ifndef ANTIPODE_RENDER_MESHES_H
+#define ANTIPODE_RENDER_MESHES_H
+
+#include "src/gpu/gpu.h"
+#include "src/render/mesh.h"
+
+// Every mesh that a scene may need, on the GPU: equal shapes are made once, each in several levels
+// of detail, coarse before fine.
+
+enum { AP_LEVELS_MAX = 8 };
+
+struct ap_shape {
+    int levels;
+    struct ap_mesh mesh[AP_LEVELS_MAX];
+    // How coarse: balls and sticks, the angle at the axis between a facet's middle and its corner;
+    // polygons, the longest edge in metres.
+    double grain[AP_LEVELS_MAX];
+};
+
+struct ap_meshes {
+    struct ap_gpu_buffer vertices, indices;
+    struct ap_shape *shapes;
+    size_t shape_count;
+    size_t *shape_of_part;
+    double *reach_m; // by part: every point lies within so many metres of the part's place
+};
+
+enum ap_status ap_meshes_create(struct ap_error *err, const struct ap_gpu *gpu,
+                                const struct ap_scene *scene, struct ap_meshes *meshes);
+void ap_meshes_destroy(const struct ap_gpu *gpu, struct ap_meshes *meshes);
+
+#endif

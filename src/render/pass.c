@@ -1,0 +1,230 @@
+#include "src/render/pass.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "shaders/part.frag.spv.h"
+#include "shaders/part.vert.spv.h"
+#include "shaders/part_guard.frag.spv.h"
+#include "shaders/part_guard.vert.spv.h"
+#include "shaders/part_single.vert.spv.h"
+#include "shaders/part_single_guard.vert.spv.h"
+#include "src/render/mesh.h"
+
+static const VkFormat DEPTH_FORMAT = VK_FORMAT_D32_SFLOAT;
+
+static VkAttachmentDescription attachment(VkFormat format, VkSampleCountFlagBits samples,
+                                          VkImageLayout layout) {
+    return (VkAttachmentDescription){.format = format,
+                                     .samples = samples,
+                                     .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                     .storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                                     .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+                                     .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                                     .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+                                     .finalLayout = layout};
+}
+
+static enum ap_status create_render_pass(struct ap_error *err, const struct ap_gpu *gpu,
+                                         const struct ap_pass_params *params, VkRenderPass *made) {
+    VkAttachmentDescription attachments[3] = {
+        attachment(params->color_format, params->samples, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL),
+        attachment(DEPTH_FORMAT, params->samples, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL),
+        attachment(params->color_format, VK_SAMPLE_COUNT_1_BIT,
+                   VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL)};
+    attachments[2].loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    attachments[2].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    VkAttachmentReference color = {0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
+                          depth = {1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL},
+                          resolve = {2, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+    VkSubpassDescription subpass = {.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS,
+                                    .colorAttachmentCount = 1,
+                                    .pColorAttachments = &color,
+                                    .pResolveAttachments = &resolve,
+                                    .pDepthStencilAttachment = &depth};
+    // The multisampled images are used again by the next pass or frame, and the target may have
+    // been read by whoever had it last.
+    VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
+                                  VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                                  VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
+    VkAccessFlags access =
+        VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+    VkSubpassDependency dependencies[2] = {
+        {.srcSubpass = VK_SUBPASS_EXTERNAL,
+         .dstSubpass = 0,
+         .srcStageMask = stages | VK_PIPELINE_STAGE_TRANSFER_BIT,
+         .dstStageMask = stages,
+         .srcAccessMask = access,
+         .dstAccessMask = access | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT},
+        {.srcSubpass = 0,
+         .dstSubpass = VK_SUBPASS_EXTERNAL,
+         .srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+         .dstStageMask = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+         .srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+         .dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT}};
+    uint32_t mask = 3;
+    VkRenderPassMultiviewCreateInfo multiview = {
+        .sType = VK_STRUCTURE_TYPE_RENDER_PASS_MULTIVIEW_CREATE_INFO,
+        .subpassCount = 1,
+        .pViewMasks = &mask,
+        .correlationMaskCount = 1,
+        .pCorrelationMasks = &mask};
+    VkRenderPassCreateInfo info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+                                   .pNext = params->views == 2 ? &multiview : NULL,
+                                   .attachmentCount = 3,
+                                   .pAttachments = attachments,
+                                   .subpassCount = 1,
+                                   .pSubpasses = &subpass,
+                                   .dependencyCount = 2,
+                                   .pDependencies = dependencies};
+    return ap_vk_check(err, vkCreateRenderPass(gpu->device, &info, NULL, made),
+                       "vkCreateRenderPass");
+}
+
+static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *gpu,
+                                    const struct ap_pass_params *params, struct ap_pass *pass) {
+    VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                              .imageType = VK_IMAGE_TYPE_2D,
+                              .format = params->color_format,
+                              .extent = {params->width, params->height, 1},
+                              .mipLevels = 1,
+                              .arrayLayers = params->views,
+                              .samples = params->samples,
+                              .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                                       VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT};
+    enum ap_status st = ap_gpu_image_create(err, gpu, &info, VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+                                            VK_IMAGE_ASPECT_COLOR_BIT, &pass->color);
+    if (st != AP_OK)
+        return st;
+    info.format = DEPTH_FORMAT;
+    info.usage =
+        VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
+    return ap_gpu_image_create(err, gpu, &info, VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+                               VK_IMAGE_ASPECT_DEPTH_BIT, &pass->depth);
+}
+
+// The state that all pipelines share but for culling and shaders.
+static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu *gpu,
+                                      const struct ap_pass_params *params, VkRenderPass render_pass,
+                                      const VkShaderModule shader[2], VkCullModeFlags cull,
+                                      VkPipeline *made) {
+    VkPipelineShaderStageCreateInfo stages[2] = {
+        {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+         .stage = VK_SHADER_STAGE_VERTEX_BIT,
+         .module = shader[0],
+         .pName = "main"},
+        {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+         .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
+         .module = shader[1],
+         .pName = "main"}};
+    VkVertexInputBindingDescription binding = {0, sizeof(struct ap_vertex),
+                                               VK_VERTEX_INPUT_RATE_VERTEX};
+    VkVertexInputAttributeDescription attributes[2] = {
+        {0, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(struct ap_vertex, position)},
+        {1, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(struct ap_vertex, normal)}};
+    VkPipelineVertexInputStateCreateInfo input = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+        .vertexBindingDescriptionCount = 1,
+        .pVertexBindingDescriptions = &binding,
+        .vertexAttributeDescriptionCount = 2,
+        .pVertexAttributeDescriptions = attributes};
+    VkPipelineInputAssemblyStateCreateInfo assembly = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+    VkViewport viewport = {0, 0, (float)params->width, (float)params->height, 0, 1};
+    VkRect2D scissor = {{0, 0}, {params->width, params->height}};
+    VkPipelineViewportStateCreateInfo viewports = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+        .viewportCount = 1,
+        .pViewports = &viewport,
+        .scissorCount = 1,
+        .pScissors = &scissor};
+    VkPipelineRasterizationStateCreateInfo raster = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+        .polygonMode = VK_POLYGON_MODE_FILL,
+        .cullMode = cull,
+        .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
+        .lineWidth = 1};
+    VkPipelineMultisampleStateCreateInfo multisample = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+        .rasterizationSamples = params->samples};
+    VkPipelineDepthStencilStateCreateInfo depth = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+        .depthTestEnable = VK_TRUE,
+        .depthWriteEnable = VK_TRUE,
+        .depthCompareOp = VK_COMPARE_OP_GREATER};
+    VkPipelineColorBlendAttachmentState write = {
+        .colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                          VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT};
+    VkPipelineColorBlendStateCreateInfo blend = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+        .attachmentCount = 1,
+        .pAttachments = &write};
+    VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                         .stageCount = 2,
+                                         .pStages = stages,
+                                         .pVertexInputState = &input,
+                                         .pInputAssemblyState = &assembly,
+                                         .pViewportState = &viewports,
+                                         .pRasterizationState = &raster,
+                                         .pMultisampleState = &multisample,
+                                         .pDepthStencilState = &depth,
+                                         .pColorBlendState = &blend,
+                                         .layout = params->layout,
+                                         .renderPass = render_pass};
+    return ap_vk_check(err,
+                       vkCreateGraphicsPipelines(gpu->device, VK_NULL_HANDLE, 1, &info, NULL, made),
+                       "vkCreateGraphicsPipelines");
+}
+
+static enum ap_status create_pipelines(struct ap_error *err, const struct ap_gpu *gpu,
+                                       const struct ap_pass_params *params, struct ap_pass *pass) {
+    static const struct {
+        const uint32_t *words;
+        size_t bytes;
+    } code[2][4] = {{{part_single_vert, sizeof part_single_vert},
+                     {part_frag, sizeof part_frag},
+                     {part_single_guard_vert, sizeof part_single_guard_vert},
+                     {part_guard_frag, sizeof part_guard_frag}},
+                    {{part_vert, sizeof part_vert},
+                     {part_frag, sizeof part_frag},
+                     {part_guard_vert, sizeof part_guard_vert},
+                     {part_guard_frag, sizeof part_guard_frag}}};
+    VkShaderModule shader[4] = {0};
+    enum ap_status st = AP_OK;
+    for (int i = 0; st == AP_OK && i < 4; i++)
+        st = ap_gpu_shader(err, gpu, code[pass->views - 1][i].words, code[pass->views - 1][i].bytes,
+                           &shader[i]);
+    for (int k = 0; st == AP_OK && k < AP_PIPELINE_COUNT; k++)
+        st = create_pipeline(err, gpu, params, pass->render_pass,
+                             shader + (k == AP_PIPELINE_GUARD ? 2 : 0),
+                             k == AP_PIPELINE_CLOSED ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
+                             &pass->pipeline[k]);
+    for (int i = 0; i < 4; i++)
+        vkDestroyShaderModule(gpu->device, shader[i], NULL);
+    return st;
+}
+
+enum ap_status ap_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
+                              const struct ap_pass_params *params, struct ap_pass *pass) {
+    struct ap_pass made = {.views = params->views};
+    enum ap_status st = create_render_pass(err, gpu, params, &made.render_pass);
+    if (st == AP_OK)
+        st = create_images(err, gpu, params, &made);
+    if (st == AP_OK)
+        st = create_pipelines(err, gpu, params, &made);
+    if (st == AP_OK)
+        *pass = made;
+    else
+        ap_pass_destroy(gpu, &made);
+    return st;
+}
+
+void ap_pass_destroy(const struct ap_gpu *gpu, struct ap_pass *pass) {
+    for (int k = 0; k < AP_PIPELINE_COUNT; k++)
+        vkDestroyPipeline(gpu->device, pass->pipeline[k], NULL);
+    vkDestroyRenderPass(gpu->device, pass->render_pass, NULL);
+    ap_gpu_image_destroy(gpu, &pass->color);
+    ap_gpu_image_destroy(gpu, &pass->depth);
+    memset(pass, 0, sizeof *pass);
+}

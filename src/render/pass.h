@@ -1,0 +1,33 @@
+#ifndef ANTIPODE_RENDER_PASS_H
+#define ANTIPODE_RENDER_PASS_H
+
+#include "src/gpu/gpu.h"
+
+// One way of drawing: a render pass with its multisampled images and its pipelines, for one eye at
+// a time (views 1) or both at once with multiview (views 2).
+
+enum ap_pipeline_kind {
+    AP_PIPELINE_CLOSED,   // back faces are not seen
+    AP_PIPELINE_TWOSIDED, // polygons, and solids that somebody else made
+    AP_PIPELINE_GUARD,    // two-sided, and every fragment is looked at
+    AP_PIPELINE_COUNT
+};
+
+struct ap_pass {
+    uint32_t views;
+    VkRenderPass render_pass;
+    struct ap_gpu_image color, depth;
+    VkPipeline pipeline[AP_PIPELINE_COUNT];
+};
+
+struct ap_pass_params {
+    VkFormat color_format;
+    uint32_t width, height, views;
+    VkSampleCountFlagBits samples;
+    VkPipelineLayout layout;
+};
+enum ap_status ap_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
+                              const struct ap_pass_params *params, struct ap_pass *pass);
+void ap_pass_destroy(const struct ap_gpu *gpu, struct ap_pass *pass);
+
+#endif

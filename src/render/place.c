@@ -1,0 +1,162 @@
+#include "src/render/place.h"
+
+#include <math.h>
+
+#include "src/geom/table.h"
+#include "src/view/cull.h"
+
+static const double PI = 3.14159265358979323846;
+enum { CORNERS_MAX = 64 };
+
+// The distance whose S is this; in s3 the one up to a quarter turn.
+static double arc(struct ap_space space, double s) {
+    double t = space.kappa > 0 ? asin(fmin(s, 1)) : space.kappa < 0 ? asinh(s) : s;
+    return t * space.rho_m;
+}
+
+// Least distance from the nose, and in s3 from its antipode, that the part's own symmetry allows: a
+// polygon lies in its plane, a stick about its axis.
+static double clearance(struct ap_space space, const struct ap_part *part,
+                        struct ap_vec4 nose_in_part) {
+    double rho = space.rho_m;
+    if (part->kind == AP_PART_POLYGON)
+        return arc(space, fabs(nose_in_part.y) / rho);
+    if (part->kind == AP_PART_STICK)
+        return fmax(0, arc(space, hypot(nose_in_part.x, nose_in_part.y) / rho) -
+                           fmax(part->radius_m, part->radius2_m));
+    return 0;
+}
+
+// Points in whose hull, thickened by *radius_m, the part lies.
+static int hull(struct ap_space space, const struct ap_part *part, double reach_m,
+                struct ap_vec4 points[CORNERS_MAX], double *radius_m) {
+    double rho = space.rho_m;
+    points[0] = (struct ap_vec4){0, 0, 0, rho};
+    *radius_m = reach_m;
+    if (part->kind == AP_PART_STICK) {
+        double t = part->length_m / 2 / rho;
+        double s = rho * ap_space_sin(space, t), c = rho * ap_space_cos(space, t);
+        points[0] = (struct ap_vec4){0, 0, -s, c};
+        points[1] = (struct ap_vec4){0, 0, s, c};
+        *radius_m = fmax(part->radius_m, part->radius2_m);
+        return 2;
+    }
+    if (part->kind != AP_PART_POLYGON || part->sides > CORNERS_MAX)
+        return 1;
+    double s = rho * ap_space_sin(space, reach_m / rho),
+           c = rho * ap_space_cos(space, reach_m / rho);
+    for (int i = 0; i < part->sides; i++) {
+        double a = PI / part->sides * (2 * i + 1);
+        points[i] = (struct ap_vec4){-s * sin(a), 0, -s * cos(a), c};
+    }
+    *radius_m = 0;
+    return part->sides;
+}
+
+struct ap_place ap_place_part(const struct ap_place_params *params, const struct ap_part *part,
+                              double reach_m) {
+    const struct ap_viewer *viewer = params->viewer;
+    struct ap_space space = viewer->space;
+    struct ap_place place = {.nose_from_part = ap_iso_mul(params->nose_from_carrier[part->carrier],
+                                                          part->carrier_from_part)};
+    struct ap_vec4 base = {0, 0, 0, space.rho_m};
+    struct ap_vec4 centre = ap_iso_apply(&place.nose_from_part, base);
+    struct ap_iso part_from_nose = ap_iso_inverse(space, place.nose_from_part);
+    double d = ap_vec3_length(ap_log_unchecked(space, centre, 0));
+    double clear = clearance(space, part, ap_iso_apply(&part_from_nose, base));
+    place.near_m = fmax(fmax(d - reach_m, clear), 0);
+    place.far_m = d + reach_m;
+    if (space.kappa > 0)
+        place.far_m = fmin(place.far_m, PI * space.rho_m - clear);
+
+    struct ap_vec4 points[CORNERS_MAX];
+    struct ap_bounds bounds = {.nose_points = points};
+    bounds.count = hull(space, part, reach_m, points, &bounds.radius_m);
+    for (int i = 0; i < bounds.count; i++)
+        points[i] = ap_iso_apply(&place.nose_from_part, points[i]);
+    for (int image = 0; image < (space.kappa > 0 ? 2 : 1); image++)
+        place.eyes[image] = params->no_cull ? 3 : ap_visible_eyes(viewer, &bounds, image);
+    return place;
+}
+
+bool ap_needs_guard(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                    const struct ap_place *place) {
+    double rho = viewer->space.rho_m, eye = eyes->reach_m + 2 * AP_NEAR_M;
+    if (place->near_m < eye)
+        return true;
+    return viewer->space.kappa > 0 && place->far_m > PI * rho - fmax(eye, 0.3 * rho);
+}
+
+// How far inside a round outline of radius r_m its facets fall, in pixels: seen at distance d_m,
+// the middle of a facet lies at the distance m from the axis with tan m = tan r · cos grain (tanh
+// in h3).
+static double outline_error(const struct ap_viewer *viewer, const struct ap_eyes *eyes, double r_m,
+                            double d_m, double grain) {
+    struct ap_space space = viewer->space;
+    double rho = space.rho_m, reach = eyes->reach_m;
+    double r = r_m / rho, far = (d_m + reach) / rho, near = fmax(d_m - reach, 0) / rho;
+    double s = ap_space_sin(space, near);
+    if (space.kappa > 0)
+        s = fmin(s, ap_space_sin(space, far));
+    double sr = ap_space_sin(space, r), a = sr / s;
+    if (!(s > 0) || !(a < 0.95))
+        return INFINITY;
+    double t = sr / ap_space_cos(space, r) * cos(grain);
+    double sm = t / sqrt(1 + space.kappa * t * t);
+    double pixels = 2 * fmax(eyes->pixels[0], eyes->pixels[1]); // off the axis angles are stretched
+    return pixels * (asin(a) - asin(sm / s));
+}
+
+// The straight edge in tangent space against the geodesic, seen from an eye beside the nose.
+static double edge_error(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                         const struct ap_place *place, double edge_m) {
+    struct ap_space space = viewer->space;
+    double e = eyes->reach_m, d = place->near_m;
+    if (space.kappa == 0 || viewer->mode == AP_VIEW_TOURIST)
+        return 0; // geodesic triangles are drawn exactly
+    if (!(d > 3 * e) || !(edge_m < d))
+        return INFINITY;
+    double angle = e * edge_m * edge_m / (9 * d * space.rho_m * space.rho_m) / (1 - e / d);
+    if (space.kappa > 0) {
+        double t = fmin(place->far_m / space.rho_m, PI - 0.05), stretch = t / sin(t);
+        angle *= t > PI / 2 ? stretch * stretch : 1;
+    }
+    return angle * fmax(eyes->pixels[0], eyes->pixels[1]);
+}
+
+// Near the antipode tangent space is so stretched that facets must be small against the distance
+// that is left. Metres.
+static double longest_facet(const struct ap_viewer *viewer, const struct ap_place *place) {
+    double rho = viewer->space.rho_m;
+    if (viewer->space.kappa <= 0 || viewer->mode == AP_VIEW_TOURIST)
+        return INFINITY;
+    return 0.3 * fmax(PI * rho - place->far_m, 0.02 * rho);
+}
+
+static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                        const struct ap_part *part, const struct ap_place *place, double grain) {
+    double centre = (place->near_m + place->far_m) / 2, longest = longest_facet(viewer, place);
+    double radius = fmax(part->radius_m, part->radius2_m);
+    switch (part->kind) {
+    case AP_PART_BALL:
+        return outline_error(viewer, eyes, part->radius_m, centre, grain) < 0.05 &&
+               2 * part->radius_m * grain < longest;
+    case AP_PART_STICK:
+        return outline_error(viewer, eyes, radius, place->near_m + radius, grain) < 0.1;
+    case AP_PART_POLYGON:
+        return edge_error(viewer, eyes, place, grain) < 0.25 && grain < longest;
+    case AP_PART_SOLID:
+        break;
+    }
+    return true;
+}
+
+int ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                    const struct ap_part *part, const struct ap_shape *shape,
+                    const struct ap_place *place) {
+    int level = 0;
+    while (level + 1 < shape->levels &&
+           !fine_enough(viewer, eyes, part, place, shape->grain[level]))
+        level++;
+    return level;
+}

@@ -1,0 +1,34 @@
+#ifndef ANTIPODE_RENDER_PLACE_H
+#define ANTIPODE_RENDER_PLACE_H
+
+#include "src/render/frame.h"
+#include "src/render/meshes.h"
+#include "src/scene/scene.h"
+
+// Where a part is in a frame, as the nose sees it: all in double on the CPU.
+struct ap_place {
+    struct ap_iso nose_from_part;
+    double near_m, far_m; // every point's distance from the nose lies between (conservative)
+    unsigned eyes[2];     // for image 0 and 1: bit e, eye e may see it
+};
+
+struct ap_place_params {
+    const struct ap_viewer *viewer;
+    struct ap_iso nose_from_carrier[3]; // by enum ap_carrier
+    bool no_cull;
+};
+
+struct ap_place ap_place_part(const struct ap_place_params *params, const struct ap_part *part,
+                              double reach_m);
+
+// The coarsest level whose error stays well below a pixel for both eyes.
+int ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                    const struct ap_part *part, const struct ap_shape *shape,
+                    const struct ap_place *place);
+
+// Whether fragments must be looked at: something of it may come within the forbidden distance of an
+// eye or an antipode, or its facets may straddle s3's antipode, or an eye may be inside it.
+bool ap_needs_guard(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                    const struct ap_place *place);
+
+#endif

@@ -1,0 +1,360 @@
+#include "src/render/renderer.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "src/render/list.h"
+
+// Frames that the CPU may be ahead of the GPU.
+enum { RING = 2 };
+
+struct slot {
+    VkFence fence;
+    bool busy; // submitted and not yet waited for
+    VkCommandBuffer cmd;
+    struct ap_gpu_buffer frame, draws;
+    VkDescriptorSet set;
+    // Made anew each frame: targets belong to somebody else, who may replace them at any time.
+    VkImageView target[2];
+    VkFramebuffer framebuffer[2];
+};
+
+struct ap_renderer {
+    const struct ap_gpu *gpu;
+    const struct ap_scene *scene;
+    struct ap_renderer_params params;
+    bool multiview;
+    VkSampleCountFlagBits samples;
+    struct ap_meshes meshes;
+    struct ap_draw_list list;
+    VkDescriptorSetLayout set_layout;
+    VkPipelineLayout layout;
+    VkDescriptorPool descriptors;
+    VkCommandPool pool;
+    struct ap_pass pass[2]; // for one eye, for both; made when first needed
+    struct slot slot[RING];
+    unsigned frame;
+};
+
+static bool has_multiview(const struct ap_gpu *gpu) {
+    VkPhysicalDeviceMultiviewFeatures has = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
+    VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                          .pNext = &has};
+    if (gpu->properties.apiVersion < VK_API_VERSION_1_1)
+        return false;
+    vkGetPhysicalDeviceFeatures2(gpu->physical_device, &features);
+    return has.multiview;
+}
+
+// The most samples the device has that are not more than what is asked for; 4 are always there.
+static VkSampleCountFlagBits choose_samples(const struct ap_gpu *gpu, uint32_t wanted) {
+    const VkPhysicalDeviceLimits *limits = &gpu->properties.limits;
+    VkSampleCountFlags both =
+        limits->framebufferColorSampleCounts & limits->framebufferDepthSampleCounts;
+    uint32_t n = 64;
+    while (n > 4 && (n > wanted || !(both & n)))
+        n /= 2;
+    return (VkSampleCountFlagBits)n;
+}
+
+static enum ap_status create_layouts(struct ap_error *err, struct ap_renderer *r) {
+    VkDescriptorSetLayoutBinding bindings[2] = {
+        {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1,
+         VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
+        {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, NULL}};
+    VkDescriptorSetLayoutCreateInfo set = {.sType =
+                                               VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                           .bindingCount = 2,
+                                           .pBindings = bindings};
+    enum ap_status st =
+        ap_vk_check(err, vkCreateDescriptorSetLayout(r->gpu->device, &set, NULL, &r->set_layout),
+                    "vkCreateDescriptorSetLayout");
+    if (st != AP_OK)
+        return st;
+    VkPushConstantRange push = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(int32_t)};
+    VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                         .setLayoutCount = 1,
+                                         .pSetLayouts = &r->set_layout,
+                                         .pushConstantRangeCount = 1,
+                                         .pPushConstantRanges = &push};
+    st = ap_vk_check(err, vkCreatePipelineLayout(r->gpu->device, &layout, NULL, &r->layout),
+                     "vkCreatePipelineLayout");
+    if (st != AP_OK)
+        return st;
+    VkDescriptorPoolSize sizes[2] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, RING},
+                                     {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, RING}};
+    VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                       .maxSets = RING,
+                                       .poolSizeCount = 2,
+                                       .pPoolSizes = sizes};
+    return ap_vk_check(err, vkCreateDescriptorPool(r->gpu->device, &pool, NULL, &r->descriptors),
+                       "vkCreateDescriptorPool");
+}
+
+static enum ap_status fill_slot_set(struct ap_error *err, struct ap_renderer *r,
+                                    struct slot *slot) {
+    VkDescriptorSetAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                        .descriptorPool = r->descriptors,
+                                        .descriptorSetCount = 1,
+                                        .pSetLayouts = &r->set_layout};
+    enum ap_status st =
+        ap_vk_check(err, vkAllocateDescriptorSets(r->gpu->device, &info, &slot->set),
+                    "vkAllocateDescriptorSets");
+    if (st != AP_OK)
+        return st;
+    VkDescriptorBufferInfo buffers[2] = {{slot->frame.buffer, 0, VK_WHOLE_SIZE},
+                                         {slot->draws.buffer, 0, VK_WHOLE_SIZE}};
+    VkWriteDescriptorSet writes[2];
+    for (uint32_t i = 0; i < 2; i++)
+        writes[i] =
+            (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                   .dstSet = slot->set,
+                                   .dstBinding = i,
+                                   .descriptorCount = 1,
+                                   .descriptorType = i == 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
+                                                            : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                   .pBufferInfo = &buffers[i]};
+    vkUpdateDescriptorSets(r->gpu->device, 2, writes, 0, NULL);
+    return AP_OK;
+}
+
+static enum ap_status create_slot(struct ap_error *err, struct ap_renderer *r, struct slot *slot) {
+    VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    VkCommandBufferAllocateInfo cmd = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                       .commandPool = r->pool,
+                                       .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                       .commandBufferCount = 1};
+    VkDeviceSize draws = (2 * r->scene->part_count + 1) * sizeof(struct ap_gpu_draw);
+    enum ap_status st = ap_vk_check(err, vkCreateFence(r->gpu->device, &fence, NULL, &slot->fence),
+                                    "vkCreateFence");
+    if (st == AP_OK)
+        st = ap_vk_check(err, vkAllocateCommandBuffers(r->gpu->device, &cmd, &slot->cmd),
+                         "vkAllocateCommandBuffers");
+    if (st == AP_OK)
+        st = ap_gpu_buffer_create(err, r->gpu, sizeof(struct ap_gpu_frame),
+                                  VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, true, &slot->frame);
+    if (st == AP_OK)
+        st = ap_gpu_buffer_create(err, r->gpu, draws, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true,
+                                  &slot->draws);
+    return st == AP_OK ? fill_slot_set(err, r, slot) : st;
+}
+
+static enum ap_status create_parts(struct ap_error *err, struct ap_renderer *r) {
+    VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                    .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+                                    .queueFamilyIndex = r->gpu->queue_family};
+    enum ap_status st = ap_vk_check(err, vkCreateCommandPool(r->gpu->device, &pool, NULL, &r->pool),
+                                    "vkCreateCommandPool");
+    if (st == AP_OK)
+        st = create_layouts(err, r);
+    if (st == AP_OK)
+        st = ap_meshes_create(err, r->gpu, r->scene, &r->meshes);
+    if (st == AP_OK)
+        st = ap_draw_list_create(err, r->scene->part_count, &r->list);
+    for (int i = 0; st == AP_OK && i < RING; i++)
+        st = create_slot(err, r, &r->slot[i]);
+    return st;
+}
+
+enum ap_status ap_renderer_create(struct ap_error *err, const struct ap_gpu *gpu,
+                                  const struct ap_scene *scene,
+                                  const struct ap_renderer_params *params,
+                                  struct ap_renderer **renderer) {
+    if (params->width == 0 || params->height == 0)
+        return ap_fail(err, AP_USAGE, "the renderer was asked for pictures of %u by %u pixels",
+                       params->width, params->height);
+    struct ap_renderer *r = calloc(1, sizeof *r);
+    if (!r)
+        return ap_fail(err, AP_ENVIRONMENT, "no memory for the renderer");
+    r->gpu = gpu;
+    r->scene = scene;
+    r->params = *params;
+    r->multiview = !params->no_multiview && has_multiview(gpu);
+    r->samples = choose_samples(gpu, params->samples ? params->samples : 4);
+    enum ap_status st = create_parts(err, r);
+    if (st == AP_OK)
+        *renderer = r;
+    else
+        ap_renderer_destroy(r);
+    return st;
+}
+
+static enum ap_status wait_for(struct ap_error *err, const struct ap_renderer *r,
+                               struct slot *slot) {
+    if (!slot->busy)
+        return AP_OK;
+    slot->busy = false;
+    enum ap_status st =
+        ap_vk_check(err, vkWaitForFences(r->gpu->device, 1, &slot->fence, VK_TRUE, UINT64_MAX),
+                    "vkWaitForFences");
+    return st == AP_OK
+               ? ap_vk_check(err, vkResetFences(r->gpu->device, 1, &slot->fence), "vkResetFences")
+               : st;
+}
+
+static void release_targets(const struct ap_gpu *gpu, struct slot *slot) {
+    for (int i = 0; i < 2; i++) {
+        vkDestroyFramebuffer(gpu->device, slot->framebuffer[i], NULL);
+        vkDestroyImageView(gpu->device, slot->target[i], NULL);
+        slot->framebuffer[i] = VK_NULL_HANDLE;
+        slot->target[i] = VK_NULL_HANDLE;
+    }
+}
+
+void ap_renderer_destroy(struct ap_renderer *r) {
+    if (!r)
+        return;
+    VkDevice device = r->gpu->device;
+    for (int i = 0; i < RING; i++) {
+        struct slot *slot = &r->slot[i];
+        wait_for(NULL, r, slot);
+        release_targets(r->gpu, slot);
+        vkDestroyFence(device, slot->fence, NULL);
+        ap_gpu_buffer_destroy(r->gpu, &slot->frame);
+        ap_gpu_buffer_destroy(r->gpu, &slot->draws);
+    }
+    for (int i = 0; i < 2; i++)
+        ap_pass_destroy(r->gpu, &r->pass[i]);
+    ap_draw_list_destroy(&r->list);
+    ap_meshes_destroy(r->gpu, &r->meshes);
+    vkDestroyDescriptorPool(device, r->descriptors, NULL);
+    vkDestroyPipelineLayout(device, r->layout, NULL);
+    vkDestroyDescriptorSetLayout(device, r->set_layout, NULL);
+    vkDestroyCommandPool(device, r->pool, NULL);
+    free(r);
+}
+
+// A view of `views` layers of the target and the framebuffer that draws into it.
+static enum ap_status bind_target(struct ap_error *err, const struct ap_renderer *r,
+                                  const struct ap_pass *pass, VkImage image, uint32_t layer,
+                                  struct slot *slot, int index) {
+    VkImageViewCreateInfo view = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .image = image,
+        .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+        .format = r->params.color_format,
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, layer, pass->views}};
+    enum ap_status st =
+        ap_vk_check(err, vkCreateImageView(r->gpu->device, &view, NULL, &slot->target[index]),
+                    "vkCreateImageView of a target");
+    if (st != AP_OK)
+        return st;
+    VkImageView attachments[3] = {pass->color.view, pass->depth.view, slot->target[index]};
+    VkFramebufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+                                    .renderPass = pass->render_pass,
+                                    .attachmentCount = 3,
+                                    .pAttachments = attachments,
+                                    .width = r->params.width,
+                                    .height = r->params.height,
+                                    .layers = 1};
+    return ap_vk_check(err,
+                       vkCreateFramebuffer(r->gpu->device, &info, NULL, &slot->framebuffer[index]),
+                       "vkCreateFramebuffer");
+}
+
+// Runs of equal meshes become one instanced draw.
+static void record_draws(const struct ap_renderer *r, const struct ap_pass *pass, unsigned eyes,
+                         VkCommandBuffer cmd) {
+    VkDeviceSize zero = 0;
+    int bound = -1;
+    if (r->list.count == 0)
+        return;
+    vkCmdBindVertexBuffers(cmd, 0, 1, &r->meshes.vertices.buffer, &zero);
+    vkCmdBindIndexBuffer(cmd, r->meshes.indices.buffer, 0, VK_INDEX_TYPE_UINT32);
+    for (size_t i = 0, next; i < r->list.count; i = next) {
+        const struct ap_draw_item *item = &r->list.items[i];
+        next = i + 1;
+        if (!(item->eyes & eyes))
+            continue;
+        while (next < r->list.count && r->list.items[next].mesh == item->mesh &&
+               r->list.items[next].pipeline == item->pipeline && (r->list.items[next].eyes & eyes))
+            next++;
+        if (bound != (int)item->pipeline)
+            vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, pass->pipeline[item->pipeline]);
+        bound = (int)item->pipeline;
+        vkCmdDrawIndexed(cmd, item->mesh->index_count, (uint32_t)(next - i),
+                         item->mesh->first_index, (int32_t)item->mesh->first_vertex, (uint32_t)i);
+    }
+}
+
+static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
+                        const struct slot *slot, int index) {
+    VkClearValue clear[3] = {0}; // depth is reversed: 0 is far
+    const double *back = r->scene->background_srgb;
+    for (int i = 0; i < 3; i++)
+        clear[0].color.float32[i] = ap_linear_color(back[i]);
+    clear[0].color.float32[3] = 1;
+    VkRenderPassBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                   .renderPass = pass->render_pass,
+                                   .framebuffer = slot->framebuffer[index],
+                                   .renderArea = {{0, 0}, {r->params.width, r->params.height}},
+                                   .clearValueCount = 2,
+                                   .pClearValues = clear};
+    int32_t first_eye = index;
+    vkCmdBeginRenderPass(slot->cmd, &begin, VK_SUBPASS_CONTENTS_INLINE);
+    vkCmdBindDescriptorSets(slot->cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, r->layout, 0, 1, &slot->set,
+                            0, NULL);
+    vkCmdPushConstants(slot->cmd, r->layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof first_eye,
+                       &first_eye);
+    record_draws(r, pass, pass->views == 2 ? 3 : 1u << index, slot->cmd);
+    vkCmdEndRenderPass(slot->cmd);
+}
+
+static enum ap_status record(struct ap_error *err, struct ap_renderer *r,
+                             const struct ap_target *target, struct slot *slot) {
+    bool both = r->multiview && target->image[0] == target->image[1] &&
+                target->layer[1] == target->layer[0] + 1;
+    struct ap_pass *pass = &r->pass[both];
+    struct ap_pass_params params = {r->params.color_format, r->params.width, r->params.height,
+                                    both ? 2 : 1,           r->samples,      r->layout};
+    enum ap_status st = AP_OK;
+    if (!pass->render_pass)
+        st = ap_pass_create(err, r->gpu, &params, pass);
+    for (int i = 0; st == AP_OK && i < (both ? 1 : 2); i++)
+        st = bind_target(err, r, pass, target->image[i], target->layer[i], slot, i);
+    if (st != AP_OK)
+        return st;
+    VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                      .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+    st = ap_vk_check(err, vkBeginCommandBuffer(slot->cmd, &begin), "vkBeginCommandBuffer");
+    if (st != AP_OK)
+        return st;
+    for (int i = 0; i < (both ? 1 : 2); i++)
+        record_pass(r, pass, slot, i);
+    return ap_vk_check(err, vkEndCommandBuffer(slot->cmd), "vkEndCommandBuffer");
+}
+
+enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
+                                const struct ap_frame_input *input, const struct ap_target *target,
+                                struct ap_frame_stats *stats) {
+    struct slot *slot = &r->slot[r->frame % RING];
+    enum ap_status st = wait_for(err, r, slot);
+    if (st != AP_OK)
+        return st;
+    release_targets(r->gpu, slot);
+
+    const struct ap_viewer *viewer = &input->viewer;
+    struct ap_eyes eyes = ap_eyes_of(viewer, r->params.width, r->params.height);
+    ap_draw_list_fill(r->scene, &r->meshes, input, &eyes, r->params.no_cull, &r->list);
+    struct ap_gpu_frame frame = ap_frame_of(viewer);
+    ap_frame_depth(viewer, &eyes, &r->list.range, &frame);
+    memcpy(slot->frame.mapped, &frame, sizeof frame);
+    ap_draw_list_write(r->scene, input, &eyes, &r->list, slot->draws.mapped);
+
+    st = record(err, r, target, slot);
+    if (st != AP_OK)
+        return st;
+    VkSubmitInfo submit = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+                           .commandBufferCount = 1,
+                           .pCommandBuffers = &slot->cmd};
+    st = ap_vk_check(err, vkQueueSubmit(r->gpu->queue, 1, &submit, slot->fence), "vkQueueSubmit");
+    if (st != AP_OK)
+        return st;
+    slot->busy = true;
+    r->frame++;
+    if (stats)
+        *stats = r->list.stats;
+    return AP_OK;
+}
