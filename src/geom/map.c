@@ -123,28 +123,41 @@ static double distance_e3(struct ap_vec4 p, struct ap_vec4 q, double rho) {
     return ap_vec3_length(d) / (p.w * q.w) * rho;
 }
 
-// 4·sinh²(d/2) = 4·sinh²((a − b)/2) + 4·sinh a·sinh b·sin²(gamma/2), with the distances a, b from
-// the base point and the angle gamma between them: a sum of squares, nothing cancels in it. The
-// differences are taken before anything is rounded.
+// |p/|p| − q/|q||, from the sine of the angle where it is less than a right one.
+static double chord_of_directions(struct ap_vec3 p, struct ap_vec3 q) {
+    double size_p = ap_length_dd(p).hi, size_q = ap_length_dd(q).hi;
+    if (!(size_p > 0 && size_q > 0))
+        return 0;
+    int ep = ilogb(size_p), eq = ilogb(size_q); // powers of two, so that nothing is rounded
+    p = (struct ap_vec3){ldexp(p.x, -ep), ldexp(p.y, -ep), ldexp(p.z, -ep)};
+    q = (struct ap_vec3){ldexp(q.x, -eq), ldexp(q.y, -eq), ldexp(q.z, -eq)};
+    double sizes = ldexp(size_p, -ep) * ldexp(size_q, -eq), dot = dot_dd(p, q).hi;
+    return dot > 0 ? cross_length(p, q) * sqrt(2 / (sizes * (sizes + dot)))
+                   : sqrt(2 * (1 - dot / sizes));
+}
+
+// asinh(a) − asinh(b) for a = |p|/rho, b = |q|/rho: (a² − b²)/sinh(asinh a + asinh b), the squares
+// subtracted before anything is rounded.
+static double radial_difference(struct ap_vec3 p, struct ap_vec3 q, double a, double b,
+                                double rho) {
+    if (a > 1e100 || b > 1e100)
+        return asinh(a) - asinh(b);
+    const double ps[3] = {p.x, p.y, p.z}, qs[3] = {q.x, q.y, q.z};
+    struct ap_dd squares = {0, 0};
+    for (int i = 0; i < 3; i++)
+        squares = ap_dd_add(squares,
+                            ap_dd_mul(ap_dd_two_sum(ps[i], -qs[i]), ap_dd_two_sum(ps[i], qs[i])));
+    double sum = a * hypot(1, b) + b * hypot(1, a);
+    return sum > 0 ? asinh(squares.hi / rho / rho / sum) : 0;
+}
+
+// sinh²(d/2) = sinh²((a − b)/2) + sinh a·sinh b·sin²(gamma/2), with the distances a, b from the
+// base point and the angle gamma between them: a sum of squares, in which nothing cancels.
 static double arc_h3(struct ap_vec3 p, struct ap_vec3 q, double rho) {
-    double big_a = ap_length_dd(p).hi / rho, big_b = ap_length_dd(q).hi / rho, radial, sideways;
-    if (big_a < 1e100 && big_b < 1e100) {
-        struct ap_dd squares = {0, 0};
-        const double ps[3] = {p.x, p.y, p.z}, qs[3] = {q.x, q.y, q.z};
-        for (int i = 0; i < 3; i++)
-            squares = ap_dd_add(
-                squares, ap_dd_mul(ap_dd_two_sum(ps[i], -qs[i]), ap_dd_two_sum(ps[i], qs[i])));
-        double sum = big_a * hypot(1, big_b) + big_b * hypot(1, big_a); // sinh(a + b)
-        radial = sum > 0 ? asinh(squares.hi / rho / rho / sum) : 0;
-        double cross = cross_length(p, q) / rho / rho, dot = dot_dd(p, q).hi / rho / rho;
-        sideways =
-            dot > 0 ? cross * sqrt(2 / (big_a * big_b + dot)) : sqrt(2 * (big_a * big_b - dot));
-    } else {
-        struct ap_vec3 u = ap_vec3_sub(ap_vec3_normalize(p), ap_vec3_normalize(q));
-        radial = asinh(big_a) - asinh(big_b);
-        sideways = ap_vec3_length(u) * sqrt(big_a) * sqrt(big_b);
-    }
-    return 2 * asinh(hypot(sinh(radial / 2), sideways / 2));
+    double sinh_a = ap_length_dd(p).hi / rho, sinh_b = ap_length_dd(q).hi / rho;
+    double radial = radial_difference(p, q, sinh_a, sinh_b, rho);
+    double sideways = chord_of_directions(p, q) / 2 * (sqrt(sinh_a) * sqrt(sinh_b));
+    return 2 * asinh(hypot(sinh(radial / 2), sideways));
 }
 
 enum ap_status ap_distance(struct ap_error *err, struct ap_space space, struct ap_vec4 p,
