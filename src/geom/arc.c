@@ -31,6 +31,14 @@ struct ap_dd ap_length_dd(struct ap_vec3 v) {
     return shift_dd(plain_length(shift(v, -e)), e);
 }
 
+double ap_polar(struct ap_vec3 v, struct ap_vec3 *unit) {
+    int e = exponent_to_drop(largest(v));
+    v = shift(v, -e);
+    double n = plain_length(v).hi;
+    *unit = n > 0 ? (struct ap_vec3){v.x / n, v.y / n, v.z / n} : v;
+    return e ? ldexp(n, e) : n;
+}
+
 void ap_unit_dd(struct ap_vec3 v, struct ap_dd unit[3]) {
     v = shift(v, -exponent_to_drop(largest(v)));
     struct ap_dd n = plain_length(v);

@@ -18,6 +18,9 @@ struct ap_arc ap_arc_of(struct ap_space space, struct ap_vec3 v_m);
 // The length of (x, y, z) without overflow or underflow on the way, within 2^-100.
 struct ap_dd ap_length_dd(struct ap_vec3 v);
 
+// Its double, and the unit vector along v (each component within 1.5 ulp); zero where v is.
+double ap_polar(struct ap_vec3 v, struct ap_vec3 *unit);
+
 // The unit vector along v != 0.
 void ap_unit_dd(struct ap_vec3 v, struct ap_dd unit[3]);
 

@@ -27,8 +27,8 @@ struct ap_vec3 ap_log_unchecked(struct ap_space space, struct ap_vec4 p, int ima
         double f = space.rho_m / p.w;
         return f == 1 ? v : ap_vec3_scale(f, v);
     }
-    struct ap_arc arc = ap_arc_of(space, v);
-    double n = ap_length_dd(v).hi, theta;
+    struct ap_vec3 unit;
+    double n = ap_polar(v, &unit), theta;
     if (!(n > 0))
         return v;
     if (space.kappa < 0) {
@@ -40,7 +40,7 @@ struct ap_vec3 ap_log_unchecked(struct ap_space space, struct ap_vec4 p, int ima
     }
     if (fabs(theta) < 1e-8 && p.w > 0) // theta = r to 2e-17 of it
         return space.kappa < 0 ? v : ap_vec3_scale(space.rho_m / p.w, v);
-    return ap_vec3_scale(theta * space.rho_m, arc.unit);
+    return ap_vec3_scale(theta * space.rho_m, unit);
 }
 
 static bool is_finite(struct ap_vec4 p) {
