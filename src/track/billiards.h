@@ -7,7 +7,7 @@
 #include "src/track/anchored.h"
 
 // Private to src/track: the perimeter of the square table, and poses hung on its edge (Weeks 2021,
-// section 3.1; shared conventions, "Billiards table and its tracker").
+// section 3.1).
 
 // The unwrapped perimeter coordinate c = edge + ½ − across/(2·out): the device stands at
 // (across, −out) in the frame of its edge, out > 0, −out < across ≤ out. Kept as an integer and the

@@ -6,7 +6,7 @@
 #include "src/geom/pose.h"
 #include "src/track/tracker.h"
 
-// The three trackers in 256-bit arithmetic, written from docs/conventions.md alone: no code, no
+// The three trackers in 256-bit arithmetic, written from the conventions alone: no code, no
 // formula rearrangement shared with src/track. One at a time per process (its numbers come from one
 // pool).
 struct exact;
