@@ -300,7 +300,7 @@ static enum ap_status evaluate(struct ap_error *err, struct words words, struct 
     st = op->run(err, request, answer);
     for (size_t i = 0; !st && i < answer->count; i++)
         if (!isfinite(answer->value[i]))
-            st = ap_fail(err, AP_INPUT, "%s: the answer is beyond the largest double", op->name);
+            st = ap_fail(err, AP_INPUT, "%s: the answer is beyond the range of a double", op->name);
     return st;
 }
 
