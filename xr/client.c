@@ -91,17 +91,28 @@ bool ap_xr_has_stage(const struct ap_xr *xr) {
     return xr->has_stage;
 }
 
-static enum ap_status locate_views(struct ap_error *err, struct ap_xr *xr, XrTime time,
-                                   struct ap_xr_view views[2]) {
+static enum ap_status locate_in(struct ap_error *err, struct ap_xr *xr, XrSpace space, XrTime time,
+                                XrView located[2]) {
     XrViewLocateInfo info = {.type = XR_TYPE_VIEW_LOCATE_INFO,
                              .viewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO,
                              .displayTime = time,
-                             .space = xr->view};
+                             .space = space};
     XrViewState state = {.type = XR_TYPE_VIEW_STATE};
-    XrView located[2] = {{.type = XR_TYPE_VIEW}, {.type = XR_TYPE_VIEW}};
+    for (int i = 0; i < 2; i++)
+        located[i] = (XrView){.type = XR_TYPE_VIEW};
     uint32_t count = 0;
-    enum ap_status st = ap_xr_check(
-        err, xr, xrLocateViews(xr->session, &info, &state, 2, &count, located), "xrLocateViews");
+    return ap_xr_check(err, xr, xrLocateViews(xr->session, &info, &state, 2, &count, located),
+                       "xrLocateViews");
+}
+
+// Twice: in VIEW for the picture (the eyes as offsets from the nose), in STAGE for the layer, so
+// that the runtime may reproject it to where the head is when it is shown.
+static enum ap_status locate_views(struct ap_error *err, struct ap_xr *xr, XrTime time,
+                                   struct ap_xr_view views[2]) {
+    XrView located[2];
+    enum ap_status st = locate_in(err, xr, xr->view, time, located);
+    if (!st)
+        st = locate_in(err, xr, xr->stage, time, xr->located);
     if (st)
         return st;
     for (int i = 0; i < 2; i++) {
