@@ -1,6 +1,6 @@
 #!/bin/sh
 # test_command.sh TRACK: the command line, the rows, the warnings and the exit statuses of `track`.
-track=$1
+track=$(realpath "$1") || exit 1
 dir=$(mktemp -d) || exit 1
 trap 'rm -rf "$dir"' EXIT
 cd "$dir" || exit 1

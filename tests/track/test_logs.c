@@ -107,10 +107,9 @@ static void head_and_hands(void **state) {
     (void)state;
     static const char *const spaces[] = {"s3", "e3", "h3"};
     for (int s = 0; s < 3; s++)
-        for (int kind = s == 1 ? 2 : 0; kind < 3; kind++) // in e3 all three are alike
+        for (int kind = s == 2 ? 0 : 2; kind < 3; kind++) // h3 is where errors grow
             run(&vive_room, spaces[s], NAN, (enum ap_tracker_kind)kind, 7700);
     run(&vive_across, "h3", NAN, AP_TRACKER_BILLIARDS, 7700);
-    run(&vive_across, "s3", NAN, AP_TRACKER_BILLIARDS, 7700);
 }
 
 static void walk_round_the_desk(void **state) {
@@ -118,7 +117,6 @@ static void walk_round_the_desk(void **state) {
     static const char *const spaces[] = {"s3", "e3", "h3"};
     for (int s = 0; s < 3; s++)
         run(&desk_walk, spaces[s], NAN, AP_TRACKER_BILLIARDS, 6900);
-    run(&desk_walk, "s3", NAN, AP_TRACKER_NAIVE, 6900);
     run(&desk_walk, "h3", NAN, AP_TRACKER_ANCHOR, 6900);
 }
 
