@@ -34,14 +34,20 @@ const struct sim_component *sim_actions_binding(const struct sim_session *sessio
     return NULL;
 }
 
-static float read_value(const struct sim_component *c, const struct ap_sample *hand) {
+// A hand's "select" is its trigger pulled, or what the log calls so.
+static bool selects(const struct ap_sample *hand) {
+    return hand->select || hand->trigger >= PRESSED;
+}
+
+static float read_value(const struct sim_component *c, bool as_button,
+                        const struct ap_sample *hand) {
     switch (c->input) {
     case SIM_TRIGGER:
-        return hand->trigger;
+        return as_button ? (float)selects(hand) : hand->trigger;
     case SIM_SQUEEZE:
-        return hand->squeeze;
+        return as_button ? (float)(hand->squeeze >= PRESSED) : hand->squeeze;
     case SIM_SELECT:
-        return hand->select ? 1.0f : 0.0f;
+        return (float)selects(hand);
     default:
         return 0.0f;
     }
@@ -50,11 +56,9 @@ static float read_value(const struct sim_component *c, const struct ap_sample *h
 // One binding into the state so far: the greatest deflection wins (OpenXR 11.5.1).
 static void read_binding(const struct sim_component *c, const struct sim_action *action,
                          const struct ap_sample *hand, struct sim_action_state *now) {
+    bool as_button = action->type == XR_ACTION_TYPE_BOOLEAN_INPUT || c->kind == SIM_BOOL;
+    float value = read_value(c, as_button, hand);
     now->active = true;
-    float value = read_value(c, hand);
-    // The other hand's buttons A and X stand for "select" on controllers that have none.
-    if (action->type == XR_ACTION_TYPE_BOOLEAN_INPUT)
-        value = c->kind == SIM_BOOL && c->input == SIM_SELECT ? value : value >= PRESSED;
     if (fabsf(value) > fabsf(now->x))
         now->x = value;
 }

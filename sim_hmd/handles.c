@@ -96,6 +96,11 @@ void sim_object_destroy(struct sim_object *object) {
     object->free(object);
 }
 
+// The loader unloads the library with the instance.
+__attribute__((destructor)) static void forget_slots(void) {
+    free(slots);
+}
+
 int sim_object_count(void) {
     return live_count;
 }

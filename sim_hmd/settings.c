@@ -5,7 +5,6 @@
 
 #include "src/base/file.h"
 #include "src/base/json.h"
-#include "src/base/number.h"
 
 static const char *const top_keys[] = {"headset", "poses",   "clock",  "refresh_hz",
                                        "frames",  "capture", "window", NULL};
@@ -199,29 +198,6 @@ static enum ap_status read_poses(struct ap_error *err, const struct ap_json_at *
     return AP_OK;
 }
 
-// One part of A:B:STEP: empty leaves *value alone.
-static bool read_part(const char *text, size_t len, int64_t min, int64_t *value) {
-    int64_t number;
-    if (len == 0)
-        return true;
-    if (!ap_parse_int64(text, len, &number) || number < min)
-        return false;
-    *value = number;
-    return true;
-}
-
-static bool parse_range(const char *text, struct sim_settings *s) {
-    size_t a = strcspn(text, ":");
-    if (!text[a]) // one number: that frame alone
-        return a > 0 && read_part(text, a, 0, &s->capture_first) && s->capture_first < INT64_MAX &&
-               (s->capture_end = s->capture_first + 1) > 0;
-    const char *second = text + a + 1;
-    size_t b = strcspn(second, ":");
-    const char *third = second[b] ? second + b + 1 : second + b;
-    return read_part(text, a, 0, &s->capture_first) && read_part(second, b, 0, &s->capture_end) &&
-           read_part(third, strlen(third), 1, &s->capture_step);
-}
-
 static enum ap_status read_capture(struct ap_error *err, const struct ap_json_at *root,
                                    struct sim_settings *s) {
     struct ap_json_at capture = ap_json_member(root, "capture");
@@ -234,8 +210,9 @@ static enum ap_status read_capture(struct ap_error *err, const struct ap_json_at
     if (st)
         return st;
     struct ap_json_at at = ap_json_member(&capture, "frames");
-    if (!parse_range(frames, s))
-        return ap_json_fail(err, &at, "expected \"A:B:STEP\", each part optional, STEP at least 1");
+    struct ap_error why;
+    if (ap_range_parse(&why, frames, &s->capture_frames))
+        return ap_json_fail(err, &at, "%s", why.text);
     s->capture_dir = resolve_path(root->file, dir);
     return s->capture_dir ? AP_OK : no_memory(err);
 }
@@ -268,8 +245,7 @@ static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *ro
 
 enum ap_status sim_settings_read(struct ap_error *err, const char *path,
                                  struct sim_settings *settings) {
-    struct sim_settings s = {
-        .profile = ap_headset_builtin(), .capture_end = INT64_MAX, .capture_step = 1};
+    struct sim_settings s = {.profile = ap_headset_builtin(), .capture_frames = AP_RANGE_ALL};
     if (path) {
         json_t *root = NULL;
         enum ap_status st = ap_json_read(err, path, &root);
@@ -296,7 +272,5 @@ void sim_settings_finish(struct sim_settings *settings) {
 }
 
 bool sim_settings_captures(const struct sim_settings *settings, int64_t frame) {
-    return settings->capture_dir && frame >= settings->capture_first &&
-           frame < settings->capture_end &&
-           (frame - settings->capture_first) % settings->capture_step == 0;
+    return settings->capture_dir && ap_range_has(settings->capture_frames, frame);
 }

@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "src/base/range.h"
 #include "src/base/status.h"
 #include "src/device/headset.h"
 #include "src/device/poselog.h"
@@ -25,10 +26,9 @@ struct sim_settings {
     enum ap_head_frame head_frame;
     double table_x_m, table_z_m, table_yaw_rad;
     struct ap_walk_params walk;
-    int64_t frames; // 0: no limit
-    // Frames first ≤ k < end, (k − first) divisible by step; capture_dir NULL: no capture.
-    char *capture_dir;
-    int64_t capture_first, capture_end, capture_step;
+    int64_t frames;    // 0: no limit
+    char *capture_dir; // NULL: no capture
+    struct ap_range capture_frames;
     bool window;
 };
 

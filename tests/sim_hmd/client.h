@@ -1,0 +1,60 @@
+#ifndef ANTIPODE_TESTS_SIM_HMD_CLIENT_H
+#define ANTIPODE_TESTS_SIM_HMD_CLIENT_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdbool.h>
+#include <vulkan/vulkan.h>
+
+#define XR_USE_GRAPHICS_API_VULKAN
+#include <openxr/openxr.h>
+#include <openxr/openxr_platform.h>
+
+// A small OpenXR program as somebody else would write it: through the real loader, on software
+// Vulkan. Every call that should succeed is asserted.
+struct client {
+    XrInstance instance;
+    XrSystemId system;
+    VkInstance vk;
+    VkPhysicalDevice physical;
+    VkDevice device;
+    uint32_t family;
+    XrSession session;
+    XrSessionState state;
+    XrSpace view, local, stage;
+};
+
+// The result's own name in the message.
+#define XR_IS(expected, call) assert_int_equal(call, expected)
+#define XR_OK(call) XR_IS(XR_SUCCESS, call)
+
+// Writes a file into the test's own folder (made at the first call, removed at exit); the path is
+// good until the next call.
+const char *client_file(const char *name, const char *text);
+const char *client_folder(void);
+
+// ANTIPODE_SIM names a file with this text; NULL: it is not set.
+void client_settings(const char *json);
+
+XrResult client_try_instance(XrInstance *instance);
+void client_make_instance(struct client *c);
+void client_make_device(struct client *c); // by XR_KHR_vulkan_enable2
+XrSessionCreateInfo client_session_info(const struct client *c, XrGraphicsBindingVulkanKHR *b);
+void client_make_session(struct client *c); // and the three reference spaces
+void client_start(struct client *c);        // all of the above, then begins
+void client_stop(struct client *c);         // destroys what there is
+
+// Takes all events; the last state is in c->state.
+void client_poll(struct client *c);
+
+XrFrameState client_wait(struct client *c);
+void client_begin(struct client *c);
+void client_end_empty(struct client *c, XrTime time);
+
+void *client_proc(XrInstance instance, const char *name);
+
+#endif
