@@ -105,7 +105,10 @@ static void look_at(const struct walker *w, double weight, struct ap_vec3 target
     head->pitch_rad += weight * 0.75 * atan2(d.y, hypot(d.x, d.z));
 }
 
-static struct ap_vec3 path_point(const struct walker *w, double offset_m, double u, double y) {
+// Beside the walker's path, and ahead_m farther along it.
+static struct ap_vec3 path_point(const struct walker *w, double offset_m, double ahead_m,
+                                 double y) {
+    double u = w->state.u + ahead_m / ap_walk_path_edge_length_m(w->edge_m);
     struct ap_walk_point p = ap_walk_path(w->edge_m, offset_m, u);
     return (struct ap_vec3){p.x, y, p.z};
 }
@@ -113,10 +116,10 @@ static struct ap_vec3 path_point(const struct walker *w, double offset_m, double
 static struct aimed head_at(const struct walker *w) {
     const struct ap_walk_state *s = &w->state;
     struct aimed head = {.p = trunk_point(w, 0, EYES_ABOVE_HIP, EYES_FORWARD)};
-    double ahead = 0.35 * (1 - s->facing), inside = fmin(0.3, w->edge_m / 3);
-    look_at(w, s->on_table, path_point(w, -inside, s->u + ahead, w->table_y), &head);
-    look_at(w, s->on_way, path_point(w, 0.3, s->u + 0.75, 0.85), &head);
-    look_at(w, s->on_shot, path_point(w, -2.2 * inside, s->u, w->table_y), &head);
+    double ahead_m = 0.6 * (1 - s->facing), inside = fmin(0.3, w->edge_m / 3);
+    look_at(w, s->on_table, path_point(w, -inside, ahead_m, w->table_y), &head);
+    look_at(w, s->on_way, path_point(w, 0.3, 1.35, 0.85), &head);
+    look_at(w, s->on_shot, path_point(w, -2.2 * inside, 0, w->table_y), &head);
     head.yaw_rad += w->heading_rad + s->glance_yaw_rad;
     head.pitch_rad += s->glance_pitch_rad;
     head.pitch_rad += 0.008 * s->pace * sin(2 * M_PI * STEP_HZ * w->t_s);
@@ -151,9 +154,8 @@ static struct aimed left_at(const struct walker *w) {
     double swing = s->pace * sin(M_PI * STEP_HZ * w->t_s), yaw = w->heading_rad;
     struct aimed hand = {body_point(w, -0.24, 0.90 + 0.02 * swing * swing, 0.10 + 0.07 * swing),
                          yaw - 0.1, -0.6 + 0.2 * swing, 0};
-    struct aimed on_edge = {path_point(w, 0.01, s->u + 0.10, w->table_y + 0.03), yaw + 0.5, -0.3,
-                            0.1};
-    struct aimed bridge = {path_point(w, -0.10, s->u, w->table_y + 0.05), yaw, -0.1, 0.3};
+    struct aimed on_edge = {path_point(w, 0.01, 0.18, w->table_y + 0.03), yaw + 0.5, -0.3, 0.1};
+    struct aimed bridge = {path_point(w, -0.10, 0, w->table_y + 0.05), yaw, -0.1, 0.3};
     hand = blend(hand, on_edge, s->touch * (1 - s->bend));
     hand = blend(hand, bridge, s->bend);
     reach(w, -SHOULDER_SIDE, &hand);
