@@ -10,40 +10,36 @@
 #include "shaders/part_single.vert.spv.h"
 #include "shaders/part_single_guard.vert.spv.h"
 #include "src/render/mesh.h"
+#include "src/render/pipeline.h"
 
 static const VkFormat DEPTH_FORMAT = VK_FORMAT_D32_SFLOAT;
 
 static VkAttachmentDescription attachment(VkFormat format, VkSampleCountFlagBits samples,
-                                          VkImageLayout layout) {
+                                          VkAttachmentStoreOp store, VkImageLayout after) {
     return (VkAttachmentDescription){.format = format,
                                      .samples = samples,
                                      .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
-                                     .storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                                     .storeOp = store,
                                      .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
                                      .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
                                      .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
-                                     .finalLayout = layout};
+                                     .finalLayout = after};
 }
 
 static enum ap_status create_render_pass(struct ap_error *err, const struct ap_gpu *gpu,
                                          const struct ap_pass_params *params, VkRenderPass *made) {
-    VkAttachmentDescription attachments[3] = {
-        attachment(params->color_format, params->samples, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL),
-        attachment(DEPTH_FORMAT, params->samples, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL),
-        attachment(params->color_format, VK_SAMPLE_COUNT_1_BIT,
-                   VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL)};
-    attachments[2].loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    attachments[2].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    VkAttachmentDescription attachments[2] = {
+        attachment(params->color_format, params->samples, VK_ATTACHMENT_STORE_OP_STORE,
+                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
+        attachment(DEPTH_FORMAT, params->samples, VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                   VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL)};
     VkAttachmentReference color = {0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
-                          depth = {1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL},
-                          resolve = {2, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+                          depth = {1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
     VkSubpassDescription subpass = {.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS,
                                     .colorAttachmentCount = 1,
                                     .pColorAttachments = &color,
-                                    .pResolveAttachments = &resolve,
                                     .pDepthStencilAttachment = &depth};
-    // The multisampled images are used again by the next pass or frame, and the target may have
-    // been read by whoever had it last.
+    // The images are used again by the next pass or frame.
     VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
                                   VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
                                   VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
@@ -52,16 +48,16 @@ static enum ap_status create_render_pass(struct ap_error *err, const struct ap_g
     VkSubpassDependency dependencies[2] = {
         {.srcSubpass = VK_SUBPASS_EXTERNAL,
          .dstSubpass = 0,
-         .srcStageMask = stages | VK_PIPELINE_STAGE_TRANSFER_BIT,
+         .srcStageMask = stages | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
          .dstStageMask = stages,
          .srcAccessMask = access,
          .dstAccessMask = access | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT},
         {.srcSubpass = 0,
          .dstSubpass = VK_SUBPASS_EXTERNAL,
          .srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-         .dstStageMask = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+         .dstStageMask = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
          .srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
-         .dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT}};
+         .dstAccessMask = VK_ACCESS_SHADER_READ_BIT}};
     uint32_t mask = 3;
     VkRenderPassMultiviewCreateInfo multiview = {
         .sType = VK_STRUCTURE_TYPE_RENDER_PASS_MULTIVIEW_CREATE_INFO,
@@ -71,7 +67,7 @@ static enum ap_status create_render_pass(struct ap_error *err, const struct ap_g
         .pCorrelationMasks = &mask};
     VkRenderPassCreateInfo info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
                                    .pNext = params->views == 2 ? &multiview : NULL,
-                                   .attachmentCount = 3,
+                                   .attachmentCount = 2,
                                    .pAttachments = attachments,
                                    .subpassCount = 1,
                                    .pSubpasses = &subpass,
@@ -90,8 +86,8 @@ static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *g
                               .mipLevels = 1,
                               .arrayLayers = params->views,
                               .samples = params->samples,
-                              .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
-                                       VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT};
+                              .usage =
+                                  VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
     enum ap_status st = ap_gpu_image_create(err, gpu, &info, VK_IMAGE_VIEW_TYPE_2D_ARRAY,
                                             VK_IMAGE_ASPECT_COLOR_BIT, &pass->color);
     if (st != AP_OK)
@@ -99,82 +95,50 @@ static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *g
     info.format = DEPTH_FORMAT;
     info.usage =
         VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
-    return ap_gpu_image_create(err, gpu, &info, VK_IMAGE_VIEW_TYPE_2D_ARRAY,
-                               VK_IMAGE_ASPECT_DEPTH_BIT, &pass->depth);
+    st = ap_gpu_image_create(err, gpu, &info, VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+                             VK_IMAGE_ASPECT_DEPTH_BIT, &pass->depth);
+    if (st != AP_OK)
+        return st;
+    VkImageView views[2] = {pass->color.view, pass->depth.view};
+    VkFramebufferCreateInfo framebuffer = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+                                           .renderPass = pass->render_pass,
+                                           .attachmentCount = 2,
+                                           .pAttachments = views,
+                                           .width = params->width,
+                                           .height = params->height,
+                                           .layers = 1};
+    return ap_vk_check(err,
+                       vkCreateFramebuffer(gpu->device, &framebuffer, NULL, &pass->framebuffer),
+                       "vkCreateFramebuffer");
 }
 
-// The state that all pipelines share but for culling and shaders.
 static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu *gpu,
                                       const struct ap_pass_params *params, VkRenderPass render_pass,
-                                      const VkShaderModule shader[2], VkCullModeFlags cull,
-                                      VkPipeline *made) {
-    VkPipelineShaderStageCreateInfo stages[2] = {
-        {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-         .stage = VK_SHADER_STAGE_VERTEX_BIT,
-         .module = shader[0],
-         .pName = "main"},
-        {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-         .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
-         .module = shader[1],
-         .pName = "main"}};
-    VkVertexInputBindingDescription binding = {0, sizeof(struct ap_vertex),
-                                               VK_VERTEX_INPUT_RATE_VERTEX};
-    VkVertexInputAttributeDescription attributes[2] = {
+                                      const VkShaderModule shader[4], int kind, VkPipeline *made) {
+    static const VkVertexInputBindingDescription binding = {0, sizeof(struct ap_vertex),
+                                                            VK_VERTEX_INPUT_RATE_VERTEX};
+    static const VkVertexInputAttributeDescription attributes[2] = {
         {0, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(struct ap_vertex, position)},
         {1, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(struct ap_vertex, normal)}};
-    VkPipelineVertexInputStateCreateInfo input = {
+    static const VkPipelineVertexInputStateCreateInfo input = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
         .vertexBindingDescriptionCount = 1,
         .pVertexBindingDescriptions = &binding,
         .vertexAttributeDescriptionCount = 2,
         .pVertexAttributeDescriptions = attributes};
-    VkPipelineInputAssemblyStateCreateInfo assembly = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
-    VkViewport viewport = {0, 0, (float)params->width, (float)params->height, 0, 1};
-    VkRect2D scissor = {{0, 0}, {params->width, params->height}};
-    VkPipelineViewportStateCreateInfo viewports = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-        .viewportCount = 1,
-        .pViewports = &viewport,
-        .scissorCount = 1,
-        .pScissors = &scissor};
-    VkPipelineRasterizationStateCreateInfo raster = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-        .polygonMode = VK_POLYGON_MODE_FILL,
-        .cullMode = cull,
-        .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
-        .lineWidth = 1};
-    VkPipelineMultisampleStateCreateInfo multisample = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = params->samples};
-    VkPipelineDepthStencilStateCreateInfo depth = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = VK_TRUE,
-        .depthWriteEnable = VK_TRUE,
-        .depthCompareOp = VK_COMPARE_OP_GREATER};
-    VkPipelineColorBlendAttachmentState write = {
-        .colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
-                          VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT};
-    VkPipelineColorBlendStateCreateInfo blend = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-        .attachmentCount = 1,
-        .pAttachments = &write};
-    VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                         .stageCount = 2,
-                                         .pStages = stages,
-                                         .pVertexInputState = &input,
-                                         .pInputAssemblyState = &assembly,
-                                         .pViewportState = &viewports,
-                                         .pRasterizationState = &raster,
-                                         .pMultisampleState = &multisample,
-                                         .pDepthStencilState = &depth,
-                                         .pColorBlendState = &blend,
-                                         .layout = params->layout,
-                                         .renderPass = render_pass};
-    return ap_vk_check(err,
-                       vkCreateGraphicsPipelines(gpu->device, VK_NULL_HANDLE, 1, &info, NULL, made),
-                       "vkCreateGraphicsPipelines");
+    bool guard = kind == AP_PIPELINE_GUARD;
+    struct ap_pipeline_params pipeline = {.vertex = shader[guard ? 2 : 0],
+                                          .fragment = shader[guard ? 3 : 1],
+                                          .input = &input,
+                                          .width = params->width,
+                                          .height = params->height,
+                                          .samples = params->samples,
+                                          .cull = kind == AP_PIPELINE_CLOSED ? VK_CULL_MODE_BACK_BIT
+                                                                             : VK_CULL_MODE_NONE,
+                                          .depth = true,
+                                          .layout = params->layout,
+                                          .render_pass = render_pass};
+    return ap_pipeline_create(err, gpu, &pipeline, made);
 }
 
 static enum ap_status create_pipelines(struct ap_error *err, const struct ap_gpu *gpu,
@@ -196,10 +160,7 @@ static enum ap_status create_pipelines(struct ap_error *err, const struct ap_gpu
         st = ap_gpu_shader(err, gpu, code[pass->views - 1][i].words, code[pass->views - 1][i].bytes,
                            &shader[i]);
     for (int k = 0; st == AP_OK && k < AP_PIPELINE_COUNT; k++)
-        st = create_pipeline(err, gpu, params, pass->render_pass,
-                             shader + (k == AP_PIPELINE_GUARD ? 2 : 0),
-                             k == AP_PIPELINE_CLOSED ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
-                             &pass->pipeline[k]);
+        st = create_pipeline(err, gpu, params, pass->render_pass, shader, k, &pass->pipeline[k]);
     for (int i = 0; i < 4; i++)
         vkDestroyShaderModule(gpu->device, shader[i], NULL);
     return st;
@@ -223,6 +184,7 @@ enum ap_status ap_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
 void ap_pass_destroy(const struct ap_gpu *gpu, struct ap_pass *pass) {
     for (int k = 0; k < AP_PIPELINE_COUNT; k++)
         vkDestroyPipeline(gpu->device, pass->pipeline[k], NULL);
+    vkDestroyFramebuffer(gpu->device, pass->framebuffer, NULL);
     vkDestroyRenderPass(gpu->device, pass->render_pass, NULL);
     ap_gpu_image_destroy(gpu, &pass->color);
     ap_gpu_image_destroy(gpu, &pass->depth);

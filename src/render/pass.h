@@ -15,7 +15,8 @@ enum ap_pipeline_kind {
 
 struct ap_pass {
     uint32_t views;
-    VkRenderPass render_pass;
+    VkRenderPass render_pass; // colour and depth, multisampled; the colour is read afterwards
+    VkFramebuffer framebuffer;
     struct ap_gpu_image color, depth;
     VkPipeline pipeline[AP_PIPELINE_COUNT];
 };

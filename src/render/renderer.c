@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "src/render/list.h"
+#include "src/render/resolve.h"
 
 // Frames that the CPU may be ahead of the GPU.
 enum { RING = 2 };
@@ -33,11 +34,17 @@ struct ap_renderer {
     VkDescriptorPool descriptors;
     VkCommandPool pool;
     struct ap_pass pass[2]; // for one eye, for both; made when first needed
+    struct ap_resolve resolve;
     struct slot slot[RING];
     unsigned frame;
 };
 
-static bool has_multiview(const struct ap_gpu *gpu) {
+// A software device gains nothing from one pass for both eyes, and Mesa 22.3.6's lavapipe puts some
+// of the triangles that the picture's edge cuts into the wrong eye (docs/rendering.md).
+static bool use_multiview(const struct ap_gpu *gpu, const struct ap_renderer_params *params) {
+    bool software = gpu->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    if (params->no_multiview || (software && !params->multiview_in_software))
+        return false;
     VkPhysicalDeviceMultiviewFeatures has = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
     VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
@@ -149,6 +156,10 @@ static enum ap_status create_parts(struct ap_error *err, struct ap_renderer *r) 
                                     "vkCreateCommandPool");
     if (st == AP_OK)
         st = create_layouts(err, r);
+    struct ap_resolve_params resolve = {r->params.color_format, r->params.width, r->params.height,
+                                        (int32_t)r->samples};
+    if (st == AP_OK)
+        st = ap_resolve_create(err, r->gpu, &resolve, &r->resolve);
     if (st == AP_OK)
         st = ap_meshes_create(err, r->gpu, r->scene, &r->meshes);
     if (st == AP_OK)
@@ -171,7 +182,7 @@ enum ap_status ap_renderer_create(struct ap_error *err, const struct ap_gpu *gpu
     r->gpu = gpu;
     r->scene = scene;
     r->params = *params;
-    r->multiview = !params->no_multiview && has_multiview(gpu);
+    r->multiview = use_multiview(gpu, params);
     r->samples = choose_samples(gpu, params->samples ? params->samples : 4);
     enum ap_status st = create_parts(err, r);
     if (st == AP_OK)
@@ -217,6 +228,7 @@ void ap_renderer_destroy(struct ap_renderer *r) {
     }
     for (int i = 0; i < 2; i++)
         ap_pass_destroy(r->gpu, &r->pass[i]);
+    ap_resolve_destroy(r->gpu, &r->resolve);
     ap_draw_list_destroy(&r->list);
     ap_meshes_destroy(r->gpu, &r->meshes);
     vkDestroyDescriptorPool(device, r->descriptors, NULL);
@@ -226,31 +238,29 @@ void ap_renderer_destroy(struct ap_renderer *r) {
     free(r);
 }
 
-// A view of `views` layers of the target and the framebuffer that draws into it.
+// A view of one eye's layer of the target and the framebuffer that draws into it.
 static enum ap_status bind_target(struct ap_error *err, const struct ap_renderer *r,
-                                  const struct ap_pass *pass, VkImage image, uint32_t layer,
-                                  struct slot *slot, int index) {
+                                  const struct ap_target *target, struct slot *slot, int eye) {
     VkImageViewCreateInfo view = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-        .image = image,
-        .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+        .image = target->image[eye],
+        .viewType = VK_IMAGE_VIEW_TYPE_2D,
         .format = r->params.color_format,
-        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, layer, pass->views}};
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, target->layer[eye], 1}};
     enum ap_status st =
-        ap_vk_check(err, vkCreateImageView(r->gpu->device, &view, NULL, &slot->target[index]),
+        ap_vk_check(err, vkCreateImageView(r->gpu->device, &view, NULL, &slot->target[eye]),
                     "vkCreateImageView of a target");
     if (st != AP_OK)
         return st;
-    VkImageView attachments[3] = {pass->color.view, pass->depth.view, slot->target[index]};
     VkFramebufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
-                                    .renderPass = pass->render_pass,
-                                    .attachmentCount = 3,
-                                    .pAttachments = attachments,
+                                    .renderPass = r->resolve.render_pass,
+                                    .attachmentCount = 1,
+                                    .pAttachments = &slot->target[eye],
                                     .width = r->params.width,
                                     .height = r->params.height,
                                     .layers = 1};
     return ap_vk_check(err,
-                       vkCreateFramebuffer(r->gpu->device, &info, NULL, &slot->framebuffer[index]),
+                       vkCreateFramebuffer(r->gpu->device, &info, NULL, &slot->framebuffer[eye]),
                        "vkCreateFramebuffer");
 }
 
@@ -279,50 +289,59 @@ static void record_draws(const struct ap_renderer *r, const struct ap_pass *pass
     }
 }
 
+// first_eye: the only one, or 0 for both.
 static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
-                        const struct slot *slot, int index) {
-    VkClearValue clear[3] = {0}; // depth is reversed: 0 is far
+                        const struct slot *slot, int32_t first_eye) {
+    VkClearValue clear[2] = {0}; // depth is reversed: 0 is far
     const double *back = r->scene->background_srgb;
     for (int i = 0; i < 3; i++)
         clear[0].color.float32[i] = ap_linear_color(back[i]);
     clear[0].color.float32[3] = 1;
     VkRenderPassBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                    .renderPass = pass->render_pass,
-                                   .framebuffer = slot->framebuffer[index],
+                                   .framebuffer = pass->framebuffer,
                                    .renderArea = {{0, 0}, {r->params.width, r->params.height}},
                                    .clearValueCount = 2,
                                    .pClearValues = clear};
-    int32_t first_eye = index;
     vkCmdBeginRenderPass(slot->cmd, &begin, VK_SUBPASS_CONTENTS_INLINE);
     vkCmdBindDescriptorSets(slot->cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, r->layout, 0, 1, &slot->set,
                             0, NULL);
     vkCmdPushConstants(slot->cmd, r->layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof first_eye,
                        &first_eye);
-    record_draws(r, pass, pass->views == 2 ? 3 : 1u << index, slot->cmd);
+    record_draws(r, pass, pass->views == 2 ? 3 : 1u << first_eye, slot->cmd);
     vkCmdEndRenderPass(slot->cmd);
+}
+
+static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r, bool both) {
+    struct ap_pass_params params = {r->params.color_format, r->params.width, r->params.height,
+                                    both ? 2 : 1,           r->samples,      r->layout};
+    if (r->pass[both].render_pass)
+        return AP_OK;
+    enum ap_status st = ap_pass_create(err, r->gpu, &params, &r->pass[both]);
+    if (st == AP_OK)
+        ap_resolve_read(r->gpu, &r->resolve, both, r->pass[both].color.view);
+    return st;
 }
 
 static enum ap_status record(struct ap_error *err, struct ap_renderer *r,
                              const struct ap_target *target, struct slot *slot) {
-    bool both = r->multiview && target->image[0] == target->image[1] &&
-                target->layer[1] == target->layer[0] + 1;
-    struct ap_pass *pass = &r->pass[both];
-    struct ap_pass_params params = {r->params.color_format, r->params.width, r->params.height,
-                                    both ? 2 : 1,           r->samples,      r->layout};
-    enum ap_status st = AP_OK;
-    if (!pass->render_pass)
-        st = ap_pass_create(err, r->gpu, &params, pass);
-    for (int i = 0; st == AP_OK && i < (both ? 1 : 2); i++)
-        st = bind_target(err, r, pass, target->image[i], target->layer[i], slot, i);
+    enum ap_status st = need_pass(err, r, r->multiview);
+    for (int e = 0; st == AP_OK && e < 2; e++)
+        st = bind_target(err, r, target, slot, e);
     if (st != AP_OK)
         return st;
+    const struct ap_pass *pass = &r->pass[r->multiview];
     VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                       .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     st = ap_vk_check(err, vkBeginCommandBuffer(slot->cmd, &begin), "vkBeginCommandBuffer");
     if (st != AP_OK)
         return st;
-    for (int i = 0; i < (both ? 1 : 2); i++)
-        record_pass(r, pass, slot, i);
+    for (int e = 0; e < 2; e++) {
+        if (e == 0 || !r->multiview)
+            record_pass(r, pass, slot, e);
+        ap_resolve_record(&r->resolve, slot->cmd, r->multiview, r->multiview ? e : 0,
+                          slot->framebuffer[e]);
+    }
     return ap_vk_check(err, vkEndCommandBuffer(slot->cmd), "vkEndCommandBuffer");
 }
 

@@ -11,15 +11,17 @@
 // Draws a scene for both eyes with Vulkan: nose-from-object matrices made in double on the CPU, the
 // log map per vertex on the GPU (no inverse or hyperbolic built-ins), one pass for both eyes where
 // multiview is there, 4 samples a pixel or more, resolved in linear light (an sRGB target).
+// docs/rendering.md.
 
 struct ap_renderer;
 
 struct ap_renderer_params {
-    VkFormat color_format;  // an sRGB format, or the result is written linear
-    uint32_t width, height; // of one eye; both eyes are drawn at one size
-    uint32_t samples;       // 0: 4
-    bool no_multiview;      // for the test that proves the two ways equal
-    bool no_cull;           // draw what no eye can see too: likewise
+    VkFormat color_format;      // an sRGB format, or the result is written linear
+    uint32_t width, height;     // of one eye; both eyes are drawn at one size
+    uint32_t samples;           // 0: 4
+    bool no_multiview;          // one pass for each eye; what a software device gets anyway, unless
+    bool multiview_in_software; // …the test that proves the two ways equal asks for it
+    bool no_cull;               // draw what no eye can see too: for a test likewise
 };
 
 // Borrows gpu and scene, which must outlive the renderer; the parts' places, colours and `hidden`

@@ -1,5 +1,5 @@
 // Draws the billiards room from a place at the table and writes what each eye sees, to be looked
-// at: look SPACE native|tourist OUT.png [x y z yaw pitch [size]]. Not a test.
+// at: look SPACE native|tourist OUT.png [x y z yaw pitch [size [flags]]]. Not a test.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,8 @@ static double number(int argc, char **argv, int i, double other) {
 
 int main(int argc, char **argv) {
     if (argc < 4) {
-        fprintf(stderr, "usage: look SPACE native|tourist OUT.png [x y z yaw pitch [size]]\n");
+        fprintf(stderr,
+                "usage: look SPACE native|tourist OUT.png [x y z yaw pitch [size [flags]]]\n");
         return 2;
     }
     struct stage stage;
@@ -44,7 +45,9 @@ int main(int argc, char **argv) {
         input.world_from_hand[h] =
             ap_iso_mul(input.viewer.world_from_nose, ap_iso_translate(scene->space, hand));
     }
-    struct ap_renderer *renderer = stage_renderer(&stage, scene, NULL);
+    int flags = (int)number(argc, argv, 10, 0); // 1: multiview on a CPU too, 2: no culling
+    struct ap_renderer_params how = {.multiview_in_software = flags & 1, .no_cull = flags & 2};
+    struct ap_renderer *renderer = stage_renderer(&stage, scene, &how);
     struct ap_frame_stats stats = stage_draw(&stage, renderer, &input);
     printf("%zu parts; left eye: %u draws (%u back), %u culled, %llu triangles, %llu vertices\n",
            scene->part_count, stats.eye[0].draws, stats.eye[0].back_draws, stats.eye[0].culled,

@@ -1,0 +1,20 @@
+#ifndef ANTIPODE_RENDER_PIPELINE_H
+#define ANTIPODE_RENDER_PIPELINE_H
+
+#include "src/gpu/gpu.h"
+
+// A graphics pipeline for triangles, one colour attachment, no blending.
+struct ap_pipeline_params {
+    VkShaderModule vertex, fragment;
+    const VkPipelineVertexInputStateCreateInfo *input; // NULL: no vertex buffers
+    uint32_t width, height;
+    VkSampleCountFlagBits samples;
+    VkCullModeFlags cull;
+    bool depth; // test and write, reversed: greater is nearer
+    VkPipelineLayout layout;
+    VkRenderPass render_pass;
+};
+enum ap_status ap_pipeline_create(struct ap_error *err, const struct ap_gpu *gpu,
+                                  const struct ap_pipeline_params *params, VkPipeline *pipeline);
+
+#endif
