@@ -103,14 +103,14 @@ static void add_lanterns(struct ap_scene_build *build) {
         {"red", {-0.22, 0.26, 0.06}, 0.020, 0xff2a2a},
         {"cyan", {0.30, 0.42, -0.22}, 0.024, 0x22e0ff},
         {"lamp", {0.00, 0.95, 0.00}, 0.030, 0xffe9a8},
-        {"magenta", {-0.85, 0.62, 0.55}, 0.036, 0xff3cf0},
-        {"lime", {0.95, 0.75, 0.70}, 0.040, 0x86ff2a},
-        {"orange", {-0.30, 0.95, -1.60}, 0.070, 0xff8a10},
-        {"azure", {1.25, 0.55, -1.45}, 0.070, 0x3c7dff},
+        {"magenta", {-0.80, 0.42, 0.50}, 0.036, 0xff3cf0},
+        {"lime", {0.85, 0.50, 0.75}, 0.040, 0x86ff2a},
+        {"orange", {-0.35, 0.60, -1.55}, 0.070, 0xff8a10},
+        {"azure", {1.20, 0.35, -1.40}, 0.070, 0x3c7dff},
     };
     struct ap_space space = build->scene->space;
     // Of the table's size; in s3 nothing is farther than pi·rho.
-    double unit = build->table.edge_m / 0.9 * (space.kappa > 0 ? 0.55 : 1);
+    double unit = build->table.edge_m / 0.9 * (space.kappa > 0 ? 0.42 : 1);
     for (size_t i = 0; i < sizeof lantern / sizeof *lantern; i++) {
         struct ap_vec3 at = ap_vec3_scale(unit, lantern[i].at);
         double radius = lantern[i].radius * fmin(1, build->table.edge_m / 0.9);

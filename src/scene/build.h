@@ -64,7 +64,8 @@ void ap_furnish_cue(struct ap_scene_build *build);
 double ap_rail_radius(const struct ap_table_shape *table);
 
 // Reads a model file of at most 64 MiB and 5 million vertices, and adds a solid for each mesh and
-// place in it, under `place`. path is as the message shall name it. rgb < 0: the file's colours.
+// place in it, under `place`. Works in a process of its own (fork), so that a hostile file cannot
+// take this one with it; blocks until that is done.
 struct ap_model_request {
     const char *path;
     double scale;

@@ -11,6 +11,27 @@ void ap_mesh_finish(struct ap_mesh *mesh) {
     *mesh = (struct ap_mesh){0};
 }
 
+void ap_mesh_reserve(struct ap_mesh *mesh, size_t vertex_count, size_t index_count) {
+    struct ap_solid *s = &mesh->solid;
+    s->positions = calloc(3 * vertex_count + 1, sizeof *s->positions);
+    s->normals = calloc(3 * vertex_count + 1, sizeof *s->normals);
+    s->indices = calloc(index_count + 1, sizeof *s->indices);
+    mesh->out_of_memory = !s->positions || !s->normals || !s->indices;
+    if (mesh->out_of_memory)
+        return;
+    s->vertex_count = mesh->vertex_room = vertex_count;
+    s->index_count = mesh->index_room = index_count;
+}
+
+void ap_mesh_measure(struct ap_mesh *mesh) {
+    struct ap_solid *s = &mesh->solid;
+    s->reach_m = 0;
+    for (size_t i = 0; i < s->vertex_count; i++) {
+        const float *p = &s->positions[3 * i];
+        s->reach_m = fmax(s->reach_m, ap_vec3_length((struct ap_vec3){p[0], p[1], p[2]}));
+    }
+}
+
 static bool grow_vertices(struct ap_mesh *m) {
     size_t room = m->vertex_room ? 2 * m->vertex_room : 256;
     float *p = realloc(m->solid.positions, room * 3 * sizeof *p);

@@ -15,6 +15,11 @@ struct ap_mesh {
 
 void ap_mesh_finish(struct ap_mesh *mesh);
 
+// Fills an empty mesh with counts of zeroed vertices and indices, to be written by the caller, who
+// then lets ap_mesh_measure find its reach.
+void ap_mesh_reserve(struct ap_mesh *mesh, size_t vertex_count, size_t index_count);
+void ap_mesh_measure(struct ap_mesh *mesh);
+
 // position metres, normal unit; returns the vertex's index.
 unsigned ap_mesh_vertex(struct ap_mesh *mesh, struct ap_vec3 position, struct ap_vec3 normal);
 

@@ -1,4 +1,4 @@
-#include "src/scene/build.h"
+#include "src/scene/import.h"
 
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
@@ -12,7 +12,7 @@
 // Models come from anywhere. The file is read here, bounded, and handed to the importer as bytes
 // with its format's name, so that nothing in it can make the importer open another file; what comes
 // out is counted over all places in its tree before anything is copied.
-enum { MAX_FILE_BYTES = 64 << 20, MAX_VERTICES = 5000000, MAX_NODES = 100000, MAX_DEPTH = 256 };
+enum { MAX_FILE_BYTES = 64 << 20, MAX_NODES = 100000, MAX_DEPTH = 256 };
 
 static const char *format_of(const char *path) {
     static const char *const formats[] = {"glb", "gltf", "obj", "ply", "stl", "off", "dae", NULL};
@@ -43,9 +43,9 @@ static enum ap_status count_node(struct importer *in, const struct aiNode *node,
         in->vertices += mesh->mNumVertices;
         in->triangles += mesh->mNumFaces;
     }
-    if (in->vertices > MAX_VERTICES || in->triangles > 2 * (size_t)MAX_VERTICES)
+    if (in->vertices > AP_MODEL_MAX_VERTICES || in->triangles > 2 * (size_t)AP_MODEL_MAX_VERTICES)
         return ap_fail(in->err, AP_INPUT, "%s: more than %d vertices or %d triangles",
-                       in->request->path, MAX_VERTICES, 2 * MAX_VERTICES);
+                       in->request->path, AP_MODEL_MAX_VERTICES, 2 * AP_MODEL_MAX_VERTICES);
     enum ap_status st = AP_OK;
     for (unsigned i = 0; i < node->mNumChildren && !st; i++)
         st = count_node(in, node->mChildren[i], depth + 1);
@@ -92,10 +92,13 @@ static unsigned mesh_color(const struct importer *in, const struct aiMesh *mesh)
     return rgb;
 }
 
+double ap_model_reach(struct ap_space space) {
+    return space.kappa > 0 ? M_PI * space.rho_m : space.kappa < 0 ? 40 * space.rho_m : 1e9;
+}
+
 static enum ap_status add_vertices(struct importer *in, const struct aiMesh *mesh,
                                    const struct aiMatrix4x4 *m, struct ap_mesh *out) {
-    struct ap_space space = in->build->scene->space;
-    double most = space.kappa > 0 ? M_PI * space.rho_m : space.kappa < 0 ? 40 * space.rho_m : 1e9;
+    double most = ap_model_reach(in->build->scene->space);
     for (unsigned i = 0; i < mesh->mNumVertices; i++) {
         struct ap_vec3 p = ap_vec3_scale(in->request->scale, transform(m, mesh->mVertices[i], 1));
         struct ap_vec3 n = {0, 1, 0};
@@ -168,8 +171,8 @@ static enum ap_status add_model(struct importer *in) {
     return st;
 }
 
-enum ap_status ap_build_model(struct ap_error *err, struct ap_scene_build *build,
-                              const struct ap_model_request *request) {
+enum ap_status ap_import_model(struct ap_error *err, struct ap_scene_build *build,
+                               const struct ap_model_request *request) {
     const char *format = format_of(request->path);
     if (!format)
         return ap_fail(err, AP_INPUT, "%s: expected a .glb, .gltf, .obj, .ply, .stl, .off or .dae",
@@ -179,6 +182,10 @@ enum ap_status ap_build_model(struct ap_error *err, struct ap_scene_build *build
     enum ap_status st = ap_file_read(err, request->path, MAX_FILE_BYTES, &bytes, &len);
     if (st)
         return st;
+    if (len == 0) {
+        free(bytes);
+        return ap_fail(err, AP_INPUT, "%s: the file is empty", request->path);
+    }
     const struct aiScene *scene = aiImportFileFromMemory(
         bytes, (unsigned)len,
         aiProcess_Triangulate | aiProcess_GenSmoothNormals | aiProcess_SortByPType |
