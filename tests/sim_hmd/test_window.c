@@ -37,8 +37,8 @@ static bool start_server(void) {
         snprintf(number, sizeof number, "%d", ends[1]);
         int null = open("/dev/null", O_WRONLY);
         dup2(null, 2);
-        execlp("Xvfb", "Xvfb", "-displayfd", number, "-screen", "0", "1024x768x24", "-nolisten",
-               "tcp", (char *)NULL);
+        execlp("Xvfb", "Xvfb", "-displayfd", number, "-screen", "0", "1024x768x24", "-noreset",
+               "-nolisten", "tcp", (char *)NULL);
         _exit(127);
     }
     close(ends[1]);
