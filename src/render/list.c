@@ -58,7 +58,8 @@ static void add_part(const struct ap_place_params *params, const struct ap_eyes 
     const struct ap_viewer *viewer = params->viewer;
     const struct ap_part *part = &scene->parts[index];
     const struct ap_shape *shape = &meshes->shapes[meshes->shape_of_part[index]];
-    struct ap_place place = ap_place_part(params, part, meshes->reach_m[index]);
+    double reach_m = part->kind == AP_PART_BALL ? part->radius_m : meshes->reach_m[index];
+    struct ap_place place = ap_place_part(params, part, reach_m);
     double turn = 2 * PI * viewer->space.rho_m;
     for (int image = 0; image < (viewer->space.kappa > 0 ? 2 : 1); image++) {
         struct ap_draw_item item = {.part = (uint32_t)index,

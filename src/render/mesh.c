@@ -177,7 +177,7 @@ enum ap_status ap_mesh_stick(struct ap_error *err, struct ap_space space,
                              struct ap_mesh *mesh) {
     double half = part->length_m / space.rho_m / 2, r0 = part->radius_m / space.rho_m,
            r1 = part->radius2_m / space.rho_m;
-    double steps = space.kappa == 0 ? 4 : ceil(20 * half);
+    double steps = space.kappa == 0 ? 4 : ceil(40 * half);
     int along = (int)fmin(fmax(steps, 4), 128), cap = around / 4 > 2 ? around / 4 : 2;
     int rings = along + 1 + 2 * cap;
     size_t ring_size = (size_t)around + 1;

@@ -116,12 +116,16 @@ static double edge_error(const struct ap_viewer *viewer, const struct ap_eyes *e
         return 0; // geodesic triangles are drawn exactly
     if (!(d > 3 * e) || !(edge_m < d))
         return INFINITY;
-    double angle = e * edge_m * edge_m / (9 * d * space.rho_m * space.rho_m) / (1 - e / d);
+    double square = edge_m * edge_m, rho = space.rho_m;
+    double angle = e * square / (9 * d * rho * rho) / (1 - e / d);
+    // How far the facets are off in depth: it shows where surfaces meet at a small angle.
+    double sagitta = square / (8 * rho);
     if (space.kappa > 0) {
-        double t = fmin(place->far_m / space.rho_m, PI - 0.05), stretch = t / sin(t);
+        double t = fmin(place->far_m / rho, PI - 0.05), stretch = t / sin(t);
         angle *= t > PI / 2 ? stretch * stretch : 1;
+        sagitta *= t > PI / 2 ? stretch : 1;
     }
-    return angle * fmax(eyes->pixels[0], eyes->pixels[1]);
+    return (angle + sagitta / d / 4) * fmax(eyes->pixels[0], eyes->pixels[1]);
 }
 
 // Near the antipode tangent space is so stretched that facets must be small against the distance

@@ -24,8 +24,8 @@ struct ap_renderer_params {
     bool no_cull;               // draw what no eye can see too: for a test likewise
 };
 
-// Borrows gpu and scene, which must outlive the renderer; the parts' places, colours and `hidden`
-// may change between frames, their number and shapes may not. Where the physical device has the
+// Borrows gpu and scene, which must outlive the renderer; the parts' places, colours, `hidden`
+// and the radius of balls may change between frames, their number and other shapes may not. Where the physical device has the
 // multiview feature (core in Vulkan 1.1) the device must have been created with it, unless
 // no_multiview; nothing else is asked of the device. One thread. A queue that failed cannot be used
 // again: destroy the renderer.

@@ -1,5 +1,5 @@
 // Draws the billiards room from a place at the table and writes what each eye sees, to be looked
-// at: look SPACE native|tourist OUT.png [x y z yaw pitch [size [flags]]]. Not a test.
+// at: look SPACE native|tourist OUT.png [x y z yaw pitch [size [flags [ipd]]]]. Not a test.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,8 +12,9 @@ static double number(int argc, char **argv, int i, double other) {
 
 int main(int argc, char **argv) {
     if (argc < 4) {
-        fprintf(stderr,
-                "usage: look SPACE native|tourist OUT.png [x y z yaw pitch [size [flags]]]\n");
+        fprintf(
+            stderr,
+            "usage: look SPACE native|tourist OUT.png [x y z yaw pitch [size [flags [ipd]]]]\n");
         return 2;
     }
     struct stage stage;
@@ -30,7 +31,8 @@ int main(int argc, char **argv) {
     }
     if (!stage_open(&stage, size, size, true))
         return 77;
-    struct ap_frame_input input = stage_input(scene->space, mode, 0.8, 0.064);
+    struct ap_frame_input input =
+        stage_input(scene->space, mode, 0.8, number(argc, argv, 11, 0.064));
     struct ap_vec3 at = {number(argc, argv, 4, 0), number(argc, argv, 5, 0.5),
                          number(argc, argv, 6, 0.9)};
     struct ap_quat yaw =
