@@ -424,9 +424,9 @@ bool sim_compositor_wants_frames(const struct sim_compositor *c) {
 bool sim_compositor_input(const struct sim_compositor *c, struct sim_window_input *input) {
     if (!c->window)
         return false;
-    sim_window_alive(c->window); // says so if it could not be opened
+    bool alive = sim_window_alive(c->window); // says so if it could not be opened
     sim_window_input(c->window, input);
-    return true;
+    return alive || input->closed;
 }
 
 enum ap_status sim_compositor_flush(struct ap_error *err, struct sim_compositor *c) {
