@@ -4,7 +4,8 @@
 #include "sim_hmd/runtime.h"
 
 // XR_KHR_vulkan_enable and XR_KHR_vulkan_enable2. The runtime composes on the program's own device
-// and queue with what Vulkan 1.0 has, so it asks for no extension.
+// and queue and needs no extension; with enable2 it sees to it that the instance is one of Vulkan
+// 1.1, which the compositor's shaders are compiled for.
 
 static XrResult check(XrInstance handle, XrSystemId system, struct sim_instance **instance) {
     *instance = sim_instance_get(handle);
@@ -127,6 +128,14 @@ XrResult XRAPI_CALL xrGetVulkanGraphicsDevice2KHR(XrInstance handle,
     return sim_choose_device(info->vulkanInstance, device);
 }
 
+// A Vulkan 1.0 loader has no such function and refuses a higher version.
+static bool has_vulkan_1_1(PFN_vkGetInstanceProcAddr get) {
+    PFN_vkEnumerateInstanceVersion enumerate =
+        (PFN_vkEnumerateInstanceVersion)get(VK_NULL_HANDLE, "vkEnumerateInstanceVersion");
+    uint32_t version = VK_API_VERSION_1_0;
+    return enumerate && enumerate(&version) == VK_SUCCESS && version >= VK_API_VERSION_1_1;
+}
+
 XrResult XRAPI_CALL xrCreateVulkanInstanceKHR(XrInstance handle,
                                               const XrVulkanInstanceCreateInfoKHR *info,
                                               VkInstance *vulkan, VkResult *vk_result) {
@@ -144,7 +153,14 @@ XrResult XRAPI_CALL xrCreateVulkanInstanceKHR(XrInstance handle,
         (PFN_vkCreateInstance)info->pfnGetInstanceProcAddr(VK_NULL_HANDLE, "vkCreateInstance");
     if (!create)
         return XR_ERROR_RUNTIME_FAILURE;
-    *vk_result = create(info->vulkanCreateInfo, info->vulkanAllocator, vulkan);
+    VkApplicationInfo app = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO};
+    VkInstanceCreateInfo raised = *info->vulkanCreateInfo;
+    if (raised.pApplicationInfo)
+        app = *raised.pApplicationInfo;
+    if (app.apiVersion < VK_API_VERSION_1_1 && has_vulkan_1_1(info->pfnGetInstanceProcAddr))
+        app.apiVersion = VK_API_VERSION_1_1;
+    raised.pApplicationInfo = &app;
+    *vk_result = create(&raised, info->vulkanAllocator, vulkan);
     return XR_SUCCESS;
 }
 
