@@ -73,7 +73,9 @@ static enum ap_status write_coherence(struct ap_error *err, FILE *f, struct ap_s
             "you, though you never turned. Here a head goes once round a square of %.1f m, "
             "forward, left, back, right, while a hand rests; the charts show how far the hand "
             "that is seen leaves the hand that is felt. With the naive tracker the error stays "
-            "and adds up with every round; the other two bring the hand back.</p>\n"
+            "and adds up with every round. The anchor keeps the hands on the head all the way; "
+            "the table parts them a little where the head is far from its edge, but closes the "
+            "round exactly.</p>\n"
             "<div class=\"card\">\n",
             AP_LOOP_SIDE_M);
     enum ap_status st = ap_svg_coherence(err, f, space);

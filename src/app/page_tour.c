@@ -65,9 +65,10 @@ static enum ap_status write_trackers(struct ap_error *err, FILE *f,
             "a curved space the loop does not close: whoever walks it comes out turned. The "
             "charts show how far the hand that is seen leaves the hand that is felt. If each "
             "device finds its own way (naive), the error stays, and every round adds to it. "
-            "Hang the hands on the head (anchor) and they never part. Hang both on the edge of "
-            "a real table (billiards), and they may part by a little far from the edge, but "
-            "always come back, and the table stays where it is felt, too.</p>\n",
+            "Hang the hands on the head (anchor) and they never part, but the room and the "
+            "world do. Hang both on the edge of a real table (billiards): a head high above "
+            "the edge is carried a little too far, so that on the way hand and head part, but "
+            "the round closes exactly, and the table is always where it is felt.</p>\n",
             AP_LOOP_SIDE_M);
     for (size_t i = 0; i < count; i++) {
         bool told = captures[i].space.kappa == 0;

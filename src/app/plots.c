@@ -290,11 +290,11 @@ static struct span measured_span(const struct ap_measured *sets, size_t count) {
 
 static void vergence_legend(FILE *f, const struct ap_measured *sets, size_t count, double x) {
     if (count == 1) {
-        legend(f, x, 84, AMBER, "native eyes, straight ahead");
-        legend(f, x, 104, TEAL, "tourist eyes, straight ahead");
+        legend(f, x, 304, AMBER, "native eyes, straight ahead");
+        legend(f, x, 324, TEAL, "tourist eyes, straight ahead");
         return;
     }
-    double y = 84;
+    double y = 324 - 20 * (double)(count - 1);
     for (size_t k = 0; k < count; k++, y += 20)
         legend(f, x, y, set_color(&sets[k], count, 0, NULL),
                ap_html_space_title(sets[k].capture->space));
@@ -323,7 +323,7 @@ void ap_svg_vergence(FILE *f, const struct ap_measured *sets, size_t count) {
     }
     vergence_dots(&c, sets, count, false);
     chart_end(&c);
-    vergence_legend(f, sets, count, c.left + 240);
+    vergence_legend(f, sets, count, c.left + 14);
     c.left = 590;
     c.width = 460;
     c.y0 = 0;
@@ -349,14 +349,18 @@ static struct ap_vec3 loop_place(double edge_m, double height_m, int step) {
                             edge_m / 2 + 0.3 + a * (z[side] + part * (z[next] - z[side]))};
 }
 
-static void split_motion(struct ap_space space, struct ap_iso m, double *offset_mm,
-                         double *turn_deg) {
+// Where the base point goes, seen from the base point.
+static struct ap_vec3 place_of(struct ap_space space, struct ap_iso m) {
     struct ap_vec4 at = ap_iso_apply(&m, (struct ap_vec4){0, 0, 0, space.rho_m});
-    struct ap_vec3 v = ap_log_unchecked(space, at, 0);
+    return ap_log_unchecked(space, at, 0);
+}
+
+// The angle of the rotation in m = translate(v)·rotate(q).
+static double turn_of(struct ap_space space, struct ap_iso m) {
+    struct ap_vec3 v = place_of(space, m);
     struct ap_iso r = ap_iso_mul(ap_iso_translate(space, ap_vec3_scale(-1, v)), m);
     double s = hypot(hypot(r.m[2][1] - r.m[1][2], r.m[0][2] - r.m[2][0]), r.m[1][0] - r.m[0][1]);
-    *offset_mm = 1000 * ap_vec3_length(v);
-    *turn_deg = atan2(s, r.m[0][0] + r.m[1][1] + r.m[2][2] - 1) * 180 / M_PI;
+    return atan2(s, r.m[0][0] + r.m[1][1] + r.m[2][2] - 1);
 }
 
 static double difference(struct ap_iso a, struct ap_iso b) {
@@ -406,6 +410,7 @@ enum ap_status ap_coherence_walk(struct ap_error *err, struct ap_space space,
         return st;
     struct ap_coherence made = {.kind = kind, .space = space};
     struct ap_iso first = AP_ISO_IDENTITY, last = AP_ISO_IDENTITY, m0_inverse = AP_ISO_IDENTITY;
+    struct ap_vec3 e0 = {0, 0, 0};
     struct ap_pose pose[2] = {
         AP_POSE_IDENTITY,
         {{AP_LOOP_SIDE_M / 2 + 0.15, height_m + 0.3, edge_m / 2 + 0.1}, AP_QUAT_IDENTITY}};
@@ -414,14 +419,17 @@ enum ap_status ap_coherence_walk(struct ap_error *err, struct ap_space space,
         st = loop_feed(err, tracker, space, pose, &last);
         if (st)
             goto out;
-        struct ap_iso felt =
-            ap_iso_from_pose(space, ap_pose_mul(ap_pose_inverse(pose[0]), pose[1]));
+        struct ap_pose arm = ap_pose_mul(ap_pose_inverse(pose[0]), pose[1]);
+        struct ap_iso felt = ap_iso_from_pose(space, arm);
+        struct ap_vec3 e = ap_vec3_sub(place_of(space, last), arm.p);
         struct ap_iso m = ap_iso_mul(last, ap_iso_inverse(space, felt));
         if (k == 0) {
             first = last;
+            e0 = e;
             m0_inverse = ap_iso_inverse(space, m);
         }
-        split_motion(space, ap_iso_mul(m, m0_inverse), &made.offset_mm[k], &made.turn_deg[k]);
+        made.offset_mm[k] = 1000 * ap_vec3_length(ap_vec3_sub(e, e0));
+        made.turn_deg[k] = turn_of(space, ap_iso_mul(m, m0_inverse)) * 180 / M_PI;
     }
     struct ap_iso expected =
         kind == AP_TRACKER_NAIVE ? ap_iso_inverse(space, loop_holonomy(space)) : AP_ISO_IDENTITY;

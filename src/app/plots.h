@@ -30,8 +30,9 @@ enum { AP_LOOP_STEPS = 160 };
 struct ap_coherence {
     enum ap_tracker_kind kind;
     struct ap_space space;
-    // Of M(t)·M(0)⁻¹, where M = D·(what the arm feels)⁻¹: how far the seen hand has left the felt
-    // one since the start. At the end the arm is as it was, and it is D_last·D_first⁻¹.
+    // How far the seen hand has left the felt one since the start, both as the head has them: the
+    // change of log(D·base) − (the hand in the head's frame), and the turn of M(t)·M(0)⁻¹ with
+    // M = D·(what the arm feels)⁻¹. At the end the arm is as it was.
     double offset_mm[AP_LOOP_STEPS + 1], turn_deg[AP_LOOP_STEPS + 1];
     // The largest entry of |D_last·D_first⁻¹ − X|: X = H⁻¹, H the product of the four translations,
     // in `naive`; the identity in the others.

@@ -15,7 +15,7 @@ static const double ARCMIN = 180 * 60 / M_PI;
 
 // A measured disc is believed where its area is the exact outline's, but for what the sampling of
 // edges does (half a pixel's worth for each √ of the outline's length) and the facets of the mesh.
-static const double AREA_RELATIVE = 0.02, AREA_EDGE = 0.5, LEAST_AREA_PX = 12;
+static const double AREA_RELATIVE = 0.005, AREA_EDGE = 0.35, LEAST_AREA_PX = 12;
 
 // How far beyond the exact outline a disc is looked for.
 static const double MARGIN_PX = 4;

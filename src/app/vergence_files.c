@@ -259,13 +259,14 @@ static void write_script(FILE *f, const struct ap_capture *c, const struct ap_ve
                "background rgb \"#14171c\"\nset encoding utf8\n");
     plot_curves(f, c, least, most);
     plot_data(f, c, rows, count);
-    fprintf(f,
-            "set border lc rgb \"#8a93a0\"\nset tics textcolor rgb \"#c8ced6\"\n"
-            "set grid lc rgb \"#2b313a\"\nset key top right textcolor rgb \"#c8ced6\"\n"
-            "set xlabel \"true distance (m)\" textcolor rgb \"#c8ced6\"\n"
-            "set multiplot layout 1,2 title \"Vergence, %s, radius %.4g m, %s view\" "
-            "textcolor rgb \"#e8eaee\"\nset xrange [0:%.6g]\n",
-            ap_space_name(c->space), c->space.rho_m, ap_view_mode_name(c->view), most);
+    fprintf(
+        f,
+        "set border lc rgb \"#8a93a0\"\nset tics textcolor rgb \"#c8ced6\"\n"
+        "set grid lc rgb \"#2b313a\"\nset key bottom left Left reverse textcolor rgb \"#c8ced6\"\n"
+        "set xlabel \"true distance (m)\" textcolor rgb \"#c8ced6\"\n"
+        "set multiplot layout 1,2 title \"Vergence, %s, radius %.4g m, %s view\" "
+        "textcolor rgb \"#e8eaee\"\nset xrange [0:%.6g]\n",
+        ap_space_name(c->space), c->space.rho_m, ap_view_mode_name(c->view), most);
     // From the nearest target on; the curves go to infinity at the nose.
     double top = 0, bottom = 0;
     for (size_t i = 0; i < count; i++)
@@ -282,11 +283,12 @@ static void write_script(FILE *f, const struct ap_capture *c, const struct ap_ve
                " $curves using 1:3 with lines lw 2 lc rgb \"#5bc0be\" title \"tourist\", \\\n"
                " $curves using 1:4 with lines lw 1 dt 2 lc rgb \"#8a93a0\" title \"flat\"");
     plot_points(f, c, 3);
-    fprintf(f,
-            "\nset yrange [0:%.6g]\nset key top left\nset ylabel \"inferred distance (m)\" "
-            "textcolor rgb \"#c8ced6\"\n"
-            "plot x with lines lw 1 dt 2 lc rgb \"#8a93a0\" title \"equal to the true one\"",
-            2 * most);
+    fprintf(
+        f,
+        "\nset yrange [0:%.6g]\nset key top left Left reverse\nset ylabel \"inferred distance (m)\" "
+        "textcolor rgb \"#c8ced6\"\n"
+        "plot x with lines lw 1 dt 2 lc rgb \"#8a93a0\" title \"equal to the true one\"",
+        2 * most);
     plot_points(f, c, 4);
     fprintf(f, "\nunset multiplot\n");
 }
