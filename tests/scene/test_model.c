@@ -106,7 +106,7 @@ static void bad_models_are_input_errors(void **state) {
     put("text.glb", "this is not a model at all, whatever its name says");
     put("points.obj", "v 0 0 0\nv 1 0 0\np 1 2\n");
     put("face.obj", "v 0 0 0\nf 1 7 9\n");
-    put("off.off", "OFF\n99999999 99999999 0\n0 0 0\n");
+    put("off.off", "OFF\n400000000 400000000 0\n0 0 0\n");
     put("ply.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\n"
                    "end_header\n0\n");
     put("ext.gltf", "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,"
