@@ -16,16 +16,18 @@ static long samples = 3000;
 struct worst {
     const char *name;
     double bound, error;
+    long count;
     char at[400];
     struct ref_random random;
 };
 
 static struct worst start(const char *name, double bound) {
-    return (struct worst){name, bound, 0, "", {0x5eed}};
+    return (struct worst){name, bound, 0, 0, "", {0x5eed}};
 }
 
 // True where the sample is the worst so far: the caller then describes it. NaN is, and stays so.
 static bool is_worse(struct worst *w, double error) {
+    w->count++;
     if (error > w->error || (isnan(error) && !isnan(w->error))) {
         w->error = error;
         return true;
@@ -35,7 +37,7 @@ static bool is_worse(struct worst *w, double error) {
 
 static void finish(const struct worst *w) {
     printf("%-28s worst %.3g  bound %.3g  (%ld samples) at %s\n", w->name, w->error, w->bound,
-           samples, w->at);
+           w->count, w->at);
     fflush(stdout);
     if (!(w->error <= w->bound))
         fail_msg("%s: error %.4g above the tolerance %.4g at %s", w->name, w->error, w->bound,
@@ -219,7 +221,7 @@ static void check_dist(int kappa, const char *name, double most) {
         struct ap_vec4 p = a_point(&w.random, s, most), q = a_point(&w.random, s, most);
         if (ref_uniform(&w.random, 0, 1) < 0.5)
             q = off_space(&w.random, s, neighbour(&w.random, s, p));
-        double d, back;
+        double d = NAN, back = NAN;
         struct ap_error err = {""};
         if (ap_distance(&err, s, p, q, &d) || ap_distance(&err, s, q, p, &back))
             fail_msg("%s: %s", name, err.text);
