@@ -26,6 +26,7 @@ struct window {
     int min_x, max_x, min_y, max_y; // the box in window pixels, inclusive
     uint8_t color[3];               // the core's bytes
     uint8_t *kind;                  // width·height
+    float *cover;                   // width·height: coverage
     int *stack;                     // width·height
 };
 
@@ -62,9 +63,10 @@ static bool open_window(struct window *w, const struct ap_image *image,
     w->max_y = y1 - w->y0;
     size_t n = (size_t)w->width * (size_t)w->height;
     w->kind = calloc(n, sizeof *w->kind);
+    w->cover = calloc(n, sizeof *w->cover);
     w->stack = malloc(n * sizeof *w->stack);
     ap_srgb_init(&w->srgb);
-    return w->kind && w->stack;
+    return w->kind && w->cover && w->stack;
 }
 
 static bool has_pair(const struct window *w, const uint8_t color[3]) {
@@ -248,14 +250,35 @@ static double coverage(const struct window *w, int x, int y) {
     return length > 0 ? fmin(fmax(along / length, 0), 1) : 0;
 }
 
+static void cover(struct window *w) {
+    for (int y = 0; y < w->height; y++)
+        for (int x = 0; x < w->width; x++) {
+            int at = y * w->width + x;
+            if (w->kind[at] == CORE)
+                w->cover[at] = 1;
+            else if (w->kind[at] == RIM)
+                w->cover[at] = (float)coverage(w, x, y);
+        }
+}
+
+// An edge pixel has one beside it that is covered well; a rim pixel without is background, and what
+// the bytes' rounding feigns there is noise.
+static bool counts(const struct window *w, int x, int y) {
+    for (int by = y - 1; by <= y + 1; by++)
+        for (int bx = x - 1; bx <= x + 1; bx++)
+            if (bx >= 0 && by >= 0 && bx < w->width && by < w->height &&
+                w->cover[by * w->width + bx] > 0.4F)
+                return true;
+    return false;
+}
+
 static void measure(const struct window *w, struct ap_blob *blob) {
     double sum = 0, sum_i = 0, sum_j = 0;
     int last_x = (int)w->image->width - 1, last_y = (int)w->image->height - 1;
     for (int y = 0; y < w->height; y++)
         for (int x = 0; x < w->width; x++) {
-            enum kind kind = w->kind[y * w->width + x];
-            double a = kind == CORE ? 1 : kind == RIM ? coverage(w, x, y) : 0;
-            if (a == 0)
+            double a = (double)w->cover[y * w->width + x];
+            if (a == 0 || !counts(w, x, y))
                 continue;
             int i = w->x0 + x, j = w->y0 + y;
             sum += a;
@@ -279,10 +302,12 @@ bool ap_find_blob(const struct ap_image *image, const struct ap_blob_query *quer
         struct ap_blob made = {0};
         find_core(&w, &made.touches_edge);
         mark_rim(&w);
+        cover(&w);
         measure(&w, &made);
         *blob = made;
     }
     free(w.kind);
+    free(w.cover);
     free(w.stack);
     return found;
 }
