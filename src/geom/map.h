@@ -23,8 +23,8 @@ enum ap_status ap_log_map(struct ap_error *err, struct ap_space space, struct ap
                           struct ap_vec3 *v_m);
 
 // Distance in metres, symmetric to the last bit. AP_INPUT: a point off the space or not finite. h3
-// takes w from (x,y,z), s3 is the angle between the 4-vectors, e3 compares (x,y,z)/w. |answer − exact|
-// at most 4.5e-16·rho·(w_p·w_q/rho²) in h3, 5.7e-16·rho in s3, 4.8e-16·max(d, rho) in e3.
+// takes w from (x,y,z), s3 is the angle between the 4-vectors, e3 compares (x,y,z)/w. |answer −
+// exact| at most 4.5e-16·rho·(w_p·w_q/rho²) in h3, 5.7e-16·rho in s3, 4.8e-16·max(d, rho) in e3.
 enum ap_status ap_distance(struct ap_error *err, struct ap_space space, struct ap_vec4 p,
                            struct ap_vec4 q, double *d_m);
 

@@ -20,7 +20,8 @@ enum ap_status ap_space_from_name(struct ap_error *err, const char *name, double
 
 const char *ap_space_name(struct ap_space space);
 
-// (cos t, sin t), (1, t), (cosh t, sinh t). Error: that of libm (below 1 ulp in s3, 2 ulp in h3).
+// (cos t, sin t), (1, t), (cosh t, sinh t). Error: that of libm (glibc 2.36: 0.52
+// ulp in s3; cosh 1.0, sinh 1.8 ulp in h3).
 double ap_space_cos(struct ap_space space, double t);
 double ap_space_sin(struct ap_space space, double t);
 
