@@ -1,5 +1,6 @@
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "src/app/command.h"
@@ -25,6 +26,9 @@ static void print_help(FILE *out) {
 int main(int argc, char **argv) {
     // A reader that goes away (`antipode track … | head`) is a write error, told as one.
     signal(SIGPIPE, SIG_IGN);
+    // The OpenXR loader repeats at length what our own one line says; XR_LOADER_DEBUG=error asks it
+    // to.
+    setenv("XR_LOADER_DEBUG", "none", 0);
     if (argc < 2) {
         print_help(stderr);
         return AP_USAGE;

@@ -1,9 +1,11 @@
 #include "src/app/replay.h"
 
+#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "src/app/command.h"
 #include "src/app/page.h"
@@ -43,17 +45,35 @@ static enum ap_status check_dir(struct ap_error *err, const struct options *o) {
     return ap_make_dirs(err, o->dir);
 }
 
-// A capture's own files go, so that an older run's pictures are not taken for this one's.
-static void clear_dir(const char *dir) {
+static bool is_picture(const char *name) {
+    static const char *const kinds[] = {"-left.png", "-right.png", "-sbs.png", "-anaglyph.png"};
+    size_t digits = strspn(name, "0123456789");
+    for (size_t i = 0; digits >= 6 && i < sizeof kinds / sizeof kinds[0]; i++)
+        if (strcmp(name + digits, kinds[i]) == 0)
+            return true;
+    return false;
+}
+
+static bool is_capture_file(const char *name) {
     static const char *const names[] = {"capture.json", "frames.csv", "views.csv",
                                         "timing.csv",   "index.html", "vergence.csv",
                                         "vergence.png", "contact.png"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        char *path = ap_path_join(dir, names[i]);
-        if (path)
-            remove(path);
-        free(path);
-    }
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (strcmp(name, names[i]) == 0)
+            return true;
+    return is_picture(name);
+}
+
+// A capture's own files go, so that an older run's pictures are not taken for this one's; whatever
+// else lies there stays.
+static void clear_dir(const char *dir) {
+    DIR *d = opendir(dir);
+    if (!d)
+        return;
+    for (struct dirent *e = readdir(d); e; e = readdir(d))
+        if (is_capture_file(e->d_name))
+            unlinkat(dirfd(d), e->d_name, 0);
+    closedir(d);
 }
 
 static enum ap_status read_timeline(struct ap_error *err, const struct options *o,
