@@ -81,7 +81,7 @@ char *ap_runtime_configured(void) {
 }
 
 enum ap_status ap_runtime_use_simulated(struct ap_error *err, const char *settings_path) {
-    char *manifest;
+    char *manifest = NULL;
     enum ap_status st = ap_runtime_manifest(err, &manifest);
     if (st)
         return st;
