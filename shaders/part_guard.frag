@@ -26,11 +26,12 @@ void main() {
         if (length(eye_m) < forbidden)
             discard;
         if (kappa > 0) {
-            float d = length(tangent_m);
-            if (abs(d - PI * rho) < forbidden)
+            // The antipode by the curved coordinates: a facet's middle lies a little nearer to the
+            // nose in tangent space than the surface does.
+            if (curved.w < 0.0 && length(curved.xyz) < forbidden_sine * size)
                 discard;
             vec3 exact = rho * tangent_from_nose(kappa, image_of, curved / size);
-            if (length(exact - tangent_m) > 0.05 * d)
+            if (length(exact - tangent_m) > 0.05 * length(tangent_m))
                 discard;
         }
     }

@@ -45,7 +45,7 @@ struct ap_eyes ap_eyes_of(const struct ap_viewer *viewer, uint32_t width, uint32
 struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer);
 
 // How the tourist's depth is spread: from the distance of the nearest to that of the farthest thing
-// drawn in each image (along the way it is seen; an image in which nothing is drawn is left alone).
+// there is (along the way it is seen in each image).
 // Reversed: nearer is larger; in s3 image 0 gets the larger half.
 struct ap_depth_range {
     double near_m[2], far_m[2];

@@ -67,14 +67,15 @@ static void add_part(const struct ap_place_params *params, const struct ap_eyes 
                                     .eyes = place.eyes[image],
                                     .mesh = &shape->mesh[0],
                                     .nose_from_part = place.nose_from_part};
+        // Of what is culled too, so that culling changes nothing in the picture.
+        double near_m = image ? turn - place.far_m : place.near_m,
+               far_m = image ? turn - place.near_m : place.far_m;
+        list->range.near_m[image] = fmin(list->range.near_m[image], near_m);
+        list->range.far_m[image] = fmax(list->range.far_m[image], far_m);
         if (item.eyes != 0) {
             bool guard = ap_needs_guard(viewer, eyes, &place);
             item.pipeline = pipeline_for(part, guard);
             item.mesh = &shape->mesh[ap_choose_level(viewer, eyes, part, shape, &place)];
-            double near_m = image ? turn - place.far_m : place.near_m,
-                   far_m = image ? turn - place.near_m : place.far_m;
-            list->range.near_m[image] = fmin(list->range.near_m[image], near_m);
-            list->range.far_m[image] = fmax(list->range.far_m[image], far_m);
             list->items[list->count++] = item;
         }
         count(list, &item, item.eyes);
