@@ -13,7 +13,7 @@
 // directions between its nearest and farthest distance, and by a Euclidean ball in tangent space.
 // What is neither proved hidden nor seen to be visible is cut in two and tried again.
 
-enum { PYRAMID_SIDES = 4, MAX_PLANES = 2 * PYRAMID_SIDES + 1, MAX_DEPTH = 6, MAX_CORNERS = 64 };
+enum { PYRAMID_SIDES = 4, MAX_DEPTH = 6, MAX_CORNERS = 64 };
 
 // Slack for what is computed later in float32: relative, and radians. The pictures' own error is
 // below 3e-7.
@@ -39,6 +39,12 @@ struct sight {
     int image;
     double radius; // of the thickening, over rho
 };
+
+// Unit vectors of ordinary size: no overflow to guard against, and this is the inner loop.
+static struct ap_vec3 unit(struct ap_vec3 v) {
+    double n2 = ap_vec3_dot(v, v);
+    return n2 > 0 ? ap_vec3_scale(1 / sqrt(n2), v) : v;
+}
 
 static double S(const struct sight *s, double t) {
     return ap_space_sin(s->space, t);
@@ -76,45 +82,40 @@ static struct pyramid pyramid_of(const struct ap_frustum *f, struct ap_quat turn
                                             {f->left, f->up, -1}};
     struct pyramid p = {.apex = apex};
     for (int i = 0; i < PYRAMID_SIDES; i++)
-        p.edge[i] = ap_vec3_normalize(ap_quat_rotate(turn, corner[i]));
+        p.edge[i] = unit(ap_quat_rotate(turn, corner[i]));
     struct ap_vec3 axis = {0, 0, 0};
     for (int i = 0; i < PYRAMID_SIDES; i++)
         axis = ap_vec3_add(axis, p.edge[i]);
     for (int i = 0; i < PYRAMID_SIDES; i++) {
         struct ap_vec3 n = ap_vec3_cross(p.edge[i], p.edge[(i + 1) % PYRAMID_SIDES]);
-        n = ap_vec3_normalize(n);
+        n = unit(n);
         p.normal[i] = ap_vec3_dot(n, axis) < 0 ? ap_vec3_scale(-1, n) : n; // mirrored frusta too
     }
     return p;
 }
 
-// Every plane that may separate something about `centre` (tangent space) from the pyramid: its
-// sides, and those that lean on one of its edges or on its apex and face the centre squarely.
-static int separating_planes(const struct pyramid *p, struct ap_vec3 centre,
-                             struct ap_vec3 planes[MAX_PLANES]) {
-    int count = 0;
-    for (int i = 0; i < PYRAMID_SIDES; i++)
-        planes[count++] = p->normal[i];
-    struct ap_vec3 c = ap_vec3_sub(centre, p->apex);
-    for (int i = 0; i <= PYRAMID_SIDES; i++) {
-        struct ap_vec3 n = ap_vec3_scale(-1, c);
-        if (i < PYRAMID_SIDES)
-            n = ap_vec3_add(n, ap_vec3_scale(ap_vec3_dot(c, p->edge[i]), p->edge[i]));
-        n = ap_vec3_normalize(n);
-        bool valid = ap_vec3_dot(n, n) > 0;
-        for (int k = 0; k < PYRAMID_SIDES; k++)
-            valid = valid && ap_vec3_dot(n, p->edge[k]) >= -1e-12;
-        if (valid)
-            planes[count++] = n;
-    }
-    return count;
+// Beside its sides, planes that may separate the pyramid from something about `centre` (tangent
+// space) lean on one of its edges (i < 4) or on its apex and face the centre squarely. False where
+// that one would cut the pyramid.
+static bool leaning_plane(const struct pyramid *p, struct ap_vec3 centre, int i,
+                          struct ap_vec3 *plane) {
+    struct ap_vec3 c = ap_vec3_sub(centre, p->apex), n = ap_vec3_scale(-1, c);
+    if (i < PYRAMID_SIDES)
+        n = ap_vec3_add(n, ap_vec3_scale(ap_vec3_dot(c, p->edge[i]), p->edge[i]));
+    n = unit(n);
+    bool valid = ap_vec3_dot(n, n) > 0;
+    for (int k = 0; k < PYRAMID_SIDES; k++)
+        valid = valid && ap_vec3_dot(n, p->edge[k]) >= -1e-12;
+    *plane = n;
+    return valid;
 }
 
 // What is known of a piece of an object.
 struct piece {
     struct ap_vec3 dir[MAX_CORNERS]; // of its corners as they are seen
     int count;
-    double spread;       // how far, as an angle, the thickening reaches out of the corners' hull
+    double spread; // how far, as an angle, the thickening reaches out of the corners' hull
+    double cos_spread, sin_spread;
     double near, far;    // nearest and farthest distance as seen
     struct ap_vec3 ball; // centre of a Euclidean ball around its image
     double ball_radius;  // INFINITY where there is none
@@ -172,42 +173,39 @@ static void describe(const struct sight *s, const struct polar *corners, int cou
         if (ap_vec3_dot(corners[i].u, corners[i].u) == 0)
             piece->spread = M_PI; // at the nose or its antipode: seen everywhere
     }
+    piece->cos_spread = cos(piece->spread);
+    piece->sin_spread = sin(piece->spread);
 }
 
-// The largest n·Q over the piece's image: of the cone of directions between near and far.
-static double cone_support(const struct piece *piece, struct ap_vec3 n) {
-    double most = -2;
+// The cosine of the least angle between n and the piece's directions.
+static double cone_cosine(const struct piece *piece, struct ap_vec3 n) {
+    double most = -1;
     for (int i = 0; i < piece->count; i++)
         most = fmax(most, ap_vec3_dot(n, piece->dir[i]));
     // Corners that all lie behind the plane carry their whole hull with them, and the corner
     // nearest to the plane is the hull's nearest point; otherwise the hull may reach any direction.
-    if (most >= 0 && piece->count > 1)
-        return piece->far;
-    double angle = fmax(acos(fmax(fmin(most, 1), -1)) - piece->spread, 0);
-    double c = cos(angle);
-    return c > 0 ? c * piece->far : c * piece->near;
-}
-
-// The same for a plane through the nose, where distances do not matter: whether all directions are
-// behind it.
-static bool directions_behind(const struct piece *piece, struct ap_vec3 n) {
-    struct piece unit = *piece;
-    unit.near = unit.far = 1;
-    return cone_support(&unit, n) < 0;
+    if ((most >= 0 && piece->count > 1) || most >= piece->cos_spread)
+        return 1;
+    return most * piece->cos_spread + sqrt(fmax(1 - most * most, 0)) * piece->sin_spread;
 }
 
 static bool hidden_behind(const struct sight *s, const struct piece *piece, struct ap_vec3 n) {
     double h = ap_vec3_dot(n, s->pyramid.apex);
-    if (h == 0 ? directions_behind(piece, n) : cone_support(piece, n) < h)
+    double c = cone_cosine(piece, n);
+    // The largest n·Q over the cone between its nearest and farthest distance; for a plane through
+    // the nose distances do not matter.
+    if (h == 0 ? c < 0 : c * (c > 0 ? piece->far : piece->near) < h)
         return true;
     return ap_vec3_dot(n, piece->ball) + piece->ball_radius < h - SLACK * fabs(h);
 }
 
 static bool piece_hidden(const struct sight *s, const struct piece *piece) {
-    struct ap_vec3 planes[MAX_PLANES];
-    int count = separating_planes(&s->pyramid, piece->ball, planes);
-    for (int i = 0; i < count; i++)
-        if (hidden_behind(s, piece, planes[i]))
+    for (int i = 0; i < PYRAMID_SIDES; i++)
+        if (hidden_behind(s, piece, s->pyramid.normal[i]))
+            return true;
+    struct ap_vec3 plane;
+    for (int i = 0; i <= PYRAMID_SIDES; i++)
+        if (leaning_plane(&s->pyramid, piece->ball, i, &plane) && hidden_behind(s, piece, plane))
             return true;
     return false;
 }
@@ -229,7 +227,7 @@ static bool hidden_past_an_edge(const struct sight *s, const struct piece *piece
             corner_most = fmax(corner_most, ap_vec3_dot(n, s->pyramid.edge[k]));
             corner_least = fmin(corner_least, ap_vec3_dot(n, s->pyramid.edge[k]));
         }
-        double margin = sin(piece->spread);
+        double margin = piece->sin_spread;
         if ((most <= 1e-12 && corner_least > margin) || (least >= -1e-12 && corner_most < -margin))
             return true;
     }
@@ -287,20 +285,23 @@ static bool halves_visible(const struct sight *s, const struct polar *c, int cou
 
 // Recursive, at most MAX_DEPTH deep, and shallow wherever the answer is plain.
 static bool hull_visible(const struct sight *s, const struct polar *corners, int count, int depth) {
+    for (int i = 0; i < count; i++)
+        if (corner_visible(s, &corners[i]))
+            return true;
     struct piece piece;
     struct polar centre = centre_of(s->space, corners, count);
     describe(s, corners, count, &centre, &piece);
     if (piece_hidden(s, &piece) || hidden_past_an_edge(s, &piece))
         return false;
-    for (int i = 0; i < count; i++)
-        if (corner_visible(s, &corners[i]))
-            return true;
     return depth == 0 || count < 2 || halves_visible(s, corners, count, depth - 1);
 }
 
 static bool bounds_visible(const struct sight *s, const struct polar *corners, int count) {
     if (count <= 3)
         return hull_visible(s, corners, count, MAX_DEPTH);
+    for (int i = 0; i < count; i++)
+        if (corner_visible(s, &corners[i]))
+            return true;
     struct piece whole;
     struct polar centre = centre_of(s->space, corners, count);
     describe(s, corners, count, &centre, &whole);
@@ -314,6 +315,24 @@ static bool bounds_visible(const struct sight *s, const struct polar *corners, i
     return false;
 }
 
+static struct pyramid pyramid_seen(const struct ap_viewer *viewer, int eye) {
+    const struct ap_view_eye *e = &viewer->eye[eye];
+    if (viewer->mode == AP_VIEW_TOURIST)
+        return pyramid_of(&e->frustum, AP_QUAT_IDENTITY, (struct ap_vec3){0, 0, 0});
+    return pyramid_of(&e->frustum, e->view_from_eye.q,
+                      ap_vec3_scale(1 / viewer->space.rho_m, e->view_from_eye.p));
+}
+
+static void corners_of(const struct ap_viewer *viewer, const struct ap_bounds *bounds,
+                       const struct ap_iso *sight_from_nose, struct polar *corners) {
+    double rho = viewer->space.rho_m;
+    for (int i = 0; i < bounds->count; i++) {
+        struct ap_vec4 p = ap_iso_apply(sight_from_nose, bounds->nose_points[i]);
+        struct ap_vec3 v = {p.x / rho, p.y / rho, p.z / rho};
+        corners[i] = polar_of((struct ap_space){viewer->space.kappa, 1}, v, p.w / rho);
+    }
+}
+
 unsigned ap_visible_eyes(const struct ap_viewer *viewer, const struct ap_bounds *bounds,
                          int image) {
     if (image != 0 && (image != 1 || viewer->space.kappa <= 0))
@@ -322,23 +341,16 @@ unsigned ap_visible_eyes(const struct ap_viewer *viewer, const struct ap_bounds 
         return 0;
     if (bounds->count > MAX_CORNERS)
         return 3;
-    double rho = viewer->space.rho_m;
+    struct sight s = {.space = {viewer->space.kappa, 1}, .image = image};
+    s.radius = fmax(bounds->radius_m, 0) / viewer->space.rho_m;
+    struct polar corners[MAX_CORNERS];
+    bool tourist = viewer->mode == AP_VIEW_TOURIST;
     unsigned seen = 0;
     for (int e = 0; e < 2; e++) {
-        const struct ap_view_eye *eye = &viewer->eye[e];
-        bool tourist = viewer->mode == AP_VIEW_TOURIST;
-        struct sight s = {.space = {viewer->space.kappa, 1}, .image = image};
-        s.radius = fmax(bounds->radius_m, 0) / rho;
-        s.pyramid = tourist ? pyramid_of(&eye->frustum, AP_QUAT_IDENTITY, (struct ap_vec3){0, 0, 0})
-                            : pyramid_of(&eye->frustum, eye->view_from_eye.q,
-                                         ap_vec3_scale(1 / rho, eye->view_from_eye.p));
-        struct ap_iso eye_from_nose = tourist ? ap_eye_from_nose(viewer, e) : AP_ISO_IDENTITY;
-        struct polar corners[MAX_CORNERS];
-        for (int i = 0; i < bounds->count; i++) {
-            struct ap_vec4 p = ap_iso_apply(&eye_from_nose, bounds->nose_points[i]);
-            struct ap_vec3 v = {p.x / rho, p.y / rho, p.z / rho};
-            corners[i] = polar_of(s.space, v, p.w / rho);
-        }
+        s.pyramid = pyramid_seen(viewer, e);
+        struct ap_iso sight_from_nose = tourist ? ap_eye_from_nose(viewer, e) : AP_ISO_IDENTITY;
+        if (tourist || e == 0) // in native view both eyes look at the same tangent space
+            corners_of(viewer, bounds, &sight_from_nose, corners);
         seen |= bounds_visible(&s, corners, bounds->count) ? 1u << e : 0u;
     }
     return seen;

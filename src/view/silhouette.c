@@ -102,12 +102,14 @@ static bool outline_point(const struct ball_view *v, double azimuth, struct ap_v
     if (!(flo < 0 && fhi > 0))
         return false;
     int side = 0;
-    for (int i = 0; i < 100 && hi - lo > 1e-14; i++) {
+    double before = lo;
+    for (int i = 0; i < 100; i++) {
         double mid = (flo * hi - fhi * lo) / (flo - fhi);
         *q = surface_point(v, mid, co, so);
         double f = turned_away(v, *q);
-        if (f == 0)
+        if (f == 0 || fabs(mid - before) < 1e-13)
             return true;
+        before = mid;
         if (f > 0) {
             hi = mid, fhi = f;
             flo *= side > 0 ? 0.5 : 1;
@@ -117,8 +119,6 @@ static bool outline_point(const struct ball_view *v, double azimuth, struct ap_v
             fhi *= side < 0 ? 0.5 : 1;
             side = -1;
         }
-        if (fabs(f) < 1e-17 * v->radius)
-            return true;
     }
     return true;
 }
