@@ -532,6 +532,20 @@ struct ap_viewer ap_capture_viewer(const struct ap_capture *capture, size_t fram
         .eye = {rounded_eye(&capture->headset, 0), rounded_eye(&capture->headset, 1)}};
 }
 
+double ap_capture_eye_shift(const struct ap_capture *capture, double distance_m) {
+    double at[2];
+    for (int e = 0; e < 2; e++) {
+        struct ap_view_eye eye = rounded_eye(&capture->headset, e);
+        struct ap_vec3 p = eye.view_from_eye.p;
+        struct ap_vec3 d = {-p.x / distance_m, -p.y / distance_m, -1 - p.z / distance_m};
+        d = ap_quat_rotate(ap_quat_conj(eye.view_from_eye.q), d);
+        at[e] = (d.x / -d.z - eye.frustum.left) / (eye.frustum.right - eye.frustum.left);
+        if (!(d.z < 0 && at[e] > 0 && at[e] < 1))
+            return 0;
+    }
+    return at[0] - at[1];
+}
+
 char *ap_capture_picture_path(const struct ap_capture *capture, int64_t frame, const char *suffix) {
     char name[64];
     snprintf(name, sizeof name, "%06" PRId64 "-%s", frame, suffix);

@@ -75,6 +75,11 @@ enum ap_status ap_capture_write(struct ap_error *err, const char *dir,
 // hands them out).
 struct ap_viewer ap_capture_viewer(const struct ap_capture *capture, size_t frame);
 
+// How far to the right the right eye's picture must be moved, in widths of it, to lie on the left
+// eye's at what is straight ahead, distance_m away (INFINITY: parallel lines of sight). Not 0 where
+// the eyes' fields of view are uneven or canted. A comfort for people; 0 where it makes no sense.
+double ap_capture_eye_shift(const struct ap_capture *capture, double distance_m);
+
 // "DIR/NNNNNN-SUFFIX", as "left.png"; malloc'ed, NULL without memory.
 char *ap_capture_picture_path(const struct ap_capture *capture, int64_t frame, const char *suffix);
 

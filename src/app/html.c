@@ -138,7 +138,7 @@ static const char STYLE[] =
     "h1,h2,h3{font-family:\"Iowan Old Style\",\"Palatino Linotype\",Palatino,Georgia,\"DejaVu "
     "Serif\",serif;color:var(--head);font-weight:500;line-height:1.2;margin:0}\n"
     "h1{font-size:clamp(2rem,5vw,3.2rem);letter-spacing:-.01em}\n"
-    "h2{font-size:1.55rem;margin:56px 0 14px}\nh3{font-size:1.15rem}\n"
+    "h2{font-size:1.55rem;margin:56px 0 14px}\nh3{font-size:1.15rem;margin:20px 0 8px}.card h3{margin-top:0}\n"
     "p{margin:0 0 1em;max-width:72ch}\nb{color:var(--head)}\n"
     ".sub{color:var(--dim);margin:12px 0 0}.sub span+span::before{content:\"·\";margin:0 .6em}\n"
     ".banner{border:1px solid #7a5a22;background:#2a2112;color:#f6d59b;border-radius:10px;"
@@ -147,7 +147,7 @@ static const char STYLE[] =
     "object-fit:contain;background:#000;border-radius:12px;border:1px solid var(--line)}\n"
     ".viewer figcaption,.note{color:var(--dim);font-size:.85rem;margin-top:6px}\n"
     ".solo{max-width:720px;margin:0 auto}\n"
-    ".row{display:grid;grid-template-columns:repeat(auto-fit,minmax(280px,1fr));gap:20px}\n"
+    ".row{margin-top:12px;display:grid;grid-template-columns:repeat(auto-fit,minmax(280px,1fr));gap:20px}\n"
     ".controls{display:flex;flex-wrap:wrap;gap:10px 14px;align-items:center;justify-content:center;"
     "margin:18px 0 8px}\n"
     ".controls button{font:inherit;font-size:.9rem;color:var(--text);background:var(--card);"
@@ -161,6 +161,7 @@ static const char STYLE[] =
     ".card{background:var(--card);border:1px solid var(--line);border-radius:14px;"
     "padding:20px 22px;margin:0 0 20px}\n"
     ".card svg,.plain svg{display:block;width:100%;height:auto}\n"
+    ".row .sub{margin:0 0 10px;font-size:.85rem}\n"
     "svg text{font:12px system-ui,\"DejaVu Sans\",sans-serif;fill:#aab2be}\n"
     "svg text.t{font-size:13px;fill:#e6e8ec}\n"
     ".thumbs{display:grid;grid-template-columns:repeat(auto-fill,minmax(112px,1fr));gap:8px}\n"
@@ -191,7 +192,7 @@ static const char SCRIPT[] =
     "(()=>{'use strict';\n"
     "const $=(s,e=document)=>[...e.querySelectorAll(s)],one=s=>document.querySelector(s);\n"
     "const sets=$('.viewer').map(el=>({el,canvas:el.querySelector('canvas'),"
-    "cap:el.querySelector('figcaption'),"
+    "cap:el.querySelector('figcaption'),shift:+el.dataset.shift,"
     "frames:JSON.parse(el.querySelector('script').textContent).map(([n,t,...e])=>({n,t,"
     "eye:e.map(src=>{const i=new Image();i.src='data:image/png;base64,'+src;i.onload=()=>draw();"
     "return i})}))})).filter(s=>s.frames.length);\n"
@@ -206,11 +207,14 @@ static const char SCRIPT[] =
     "function one_set(s){const f=s.frames[Math.round(k*(s.frames.length-1)/Math.max(1,most-1))],"
     "[l,r]=f.eye;if(!l.complete||!r.complete||!l.naturalWidth||!r.naturalWidth)return;"
     "const c=s.canvas,x=c.getContext('2d'),w=l.naturalWidth,h=l.naturalHeight;"
-    "const pair=mode==='pair';c.width=pair?2*w:w;c.height=h;"
-    "if(mode==='anaglyph'){x.drawImage(eye(s,l,'#f00',1),0,0);x.globalCompositeOperation='lighter';"
-    "x.drawImage(eye(s,r,'#0ff',0),0,0)}"
+    "const pair=mode==='pair',both=mode==='anaglyph'||mode==='wiggle',"
+    "m=both?Math.round(s.shift*w):0,a=-Math.max(m,0),b=Math.min(m,0);"
+    "c.width=pair?2*w:w-Math.abs(m);c.height=h;"
+    "if(mode==='anaglyph'){x.drawImage(eye(s,l,'#f00',1),a,0);x.globalCompositeOperation='lighter';"
+    "x.drawImage(eye(s,r,'#0ff',0),b,0)}"
     "else if(pair){x.drawImage(r,0,0,w,h);x.drawImage(l,w,0,w,h)}"
-    "else{const i=mode==='right'||(mode==='wiggle'&&swap)?r:l;x.drawImage(i,0,0,w,h)}"
+    "else if(mode==='right'||(mode==='wiggle'&&swap))x.drawImage(r,both?b:0,0);"
+    "else x.drawImage(l,a,0);"
     "s.cap.textContent='frame '+f.n+', '+f.t.toFixed(2)+' s'}\n"
     "function draw(){sets.forEach(one_set);slider.value=k;"
     "$('.thumbs button').forEach((b,i)=>b.setAttribute('aria-current',i===k))}\n"
@@ -364,7 +368,10 @@ enum ap_status ap_html_viewer_write(struct ap_error *err, FILE *f, const struct 
     while (!st && fit > 1 && shots_size(shots, fit, n) > viewer->budget)
         fit--;
     if (!st) {
-        fputs("<figure class=\"viewer\"><canvas role=\"img\" aria-label=\"what the eyes see\">"
+        // Red-cyan and wiggle turn about what is an arm and a half away.
+        fprintf(f, "<figure class=\"viewer\" data-shift=\"%.5f\">",
+                ap_capture_eye_shift(capture, 1));
+        fputs("<canvas role=\"img\" aria-label=\"what the eyes see\">"
               "</canvas><figcaption>the pictures need a script to be shown</figcaption>"
               "<script type=\"application/json\">[",
               f);

@@ -7,7 +7,8 @@
 // Writes, from the left/right PNGs of the captured frames: NNNNNN-sbs.png, NNNNNN-anaglyph.png and
 // contact.png. Frames whose pictures are missing (an interrupted run) are passed over. done/total
 // count up for a progress bar; progress may be NULL; step is called by one thread at a time. Eyes
-// of different sizes are put on black of a common size. Works on two threads.
+// of different sizes are put on black of a common size; in the anaglyph the right eye's picture is
+// moved sideways until what is straight ahead at infinity coincides. Works on two threads.
 struct ap_progress {
     void (*step)(void *data, int64_t done, int64_t total);
     void *data;

@@ -1,3 +1,4 @@
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -55,6 +56,16 @@ static enum ap_status pad(struct ap_error *err, struct ap_image *image, uint32_t
     return AP_OK;
 }
 
+// Moved to the right by px, black where nothing is left.
+static void move_right(struct ap_image *image, long px) {
+    long w = image->width, keep = w - labs(px);
+    for (uint32_t y = 0; y < image->height && px != 0; y++) {
+        uint8_t *row = image->rgb + (size_t)y * image->width * 3;
+        memmove(row + (px > 0 ? 3 * px : 0), row + (px < 0 ? -3 * px : 0), (size_t)keep * 3);
+        memset(px > 0 ? row : row + 3 * keep, 0, (size_t)labs(px) * 3);
+    }
+}
+
 static enum ap_status write_as(struct ap_error *err, const struct ap_capture *c, int64_t frame,
                                const char *name, const struct ap_image *image) {
     char *path = ap_capture_picture_path(c, frame, name);
@@ -109,8 +120,11 @@ static enum ap_status write_frame(struct ap_error *err, struct work *w, size_t k
         st = pad(err, &eye[e], width, height);
     if (!st)
         st = write_pair(err, c, frame, eye, ap_image_side_by_side, "sbs.png");
-    if (!st)
+    // For red-cyan glasses what lies at infinity must coincide, however uneven the eyes are.
+    if (!st) {
+        move_right(&eye[1], lround(ap_capture_eye_shift(c, INFINITY) * width));
         st = write_pair(err, c, frame, eye, ap_image_anaglyph, "anaglyph.png");
+    }
 out:
     ap_image_finish(&eye[0]);
     ap_image_finish(&eye[1]);

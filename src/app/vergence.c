@@ -14,8 +14,9 @@
 static const double ARCMIN = 180 * 60 / M_PI;
 
 // A measured disc is believed where its area is the exact outline's, but for what the sampling of
-// edges does (half a pixel's worth for each √ of the outline's length) and the facets of the mesh.
-static const double AREA_RELATIVE = 0.005, AREA_EDGE = 0.35, LEAST_AREA_PX = 12;
+// edges does, which grows as the root of the outline's length. Of 190 whole discs of 25 to 25,000
+// pixels, rendered with 4 samples a pixel, none is off by more than three quarters of this.
+static const double AREA_RELATIVE = 0.001, AREA_EDGE = 0.4, LEAST_AREA_PX = 12;
 
 // How far beyond the exact outline a disc is looked for.
 static const double MARGIN_PX = 4;
@@ -300,8 +301,12 @@ void ap_vergence_print_summary(const struct ap_capture *capture, const struct ap
             snprintf(range, sizeof range, "%.3f ... %.3f", s.least_m, s.most_m);
         if (s.measured)
             snprintf(worst, sizeof worst, "%.4f", s.worst_px);
-        printf("%-20s %8zu %9zu %22s %15s\n", capture->targets[t].name, s.frames, s.measured, range,
-               worst);
+        // A name may hold what a terminal obeys.
+        char name[sizeof capture->targets[t].name];
+        snprintf(name, sizeof name, "%s", capture->targets[t].name);
+        for (char *p = name; *p; p++)
+            *p = (unsigned char)*p < 0x20 || *p == 0x7f ? '?' : *p;
+        printf("%-20s %8zu %9zu %22s %15s\n", name, s.frames, s.measured, range, worst);
     }
 }
 

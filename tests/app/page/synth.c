@@ -182,7 +182,7 @@ static double beyond(const struct sight_line *s, double a, double b) {
     const double g = 0.6180339887498949;
     double t1 = hi - g * (hi - lo), t2 = lo + g * (hi - lo);
     double f1 = distance_at(s, d, t1), f2 = distance_at(s, d, t2);
-    for (int k = 0; k < 17; k++) {
+    for (int k = 0; k < 15; k++) {
         if (f1 < f2) {
             hi = t2, t2 = t1, f2 = f1;
             t1 = hi - g * (hi - lo);
@@ -215,7 +215,7 @@ static struct sight_line line_to(const struct ap_capture *c, size_t frame, int e
 
 void synth_draw(const struct ap_capture *c, size_t frame, int eye, const uint8_t color[3],
                 struct ap_vec4 at, double radius_m, struct ap_image *image) {
-    enum { SUB = 10 };
+    enum { SUB = 8 };
     struct sight_line s = line_to(c, frame, eye, at, radius_m);
     struct ap_frustum f = s.viewer.eye[eye].frustum;
     double da = (f.right - f.left) / image->width, db = (f.up - f.down) / image->height;

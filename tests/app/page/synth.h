@@ -5,7 +5,7 @@
 #include "src/image/image.h"
 
 // Captures made without a renderer: pictures whose discs are right to a hundredth of a pixel,
-// because each pixel on an edge is sampled 100 times by following its own sight line through the
+// because each pixel on an edge is sampled 64 times by following its own sight line through the
 // space (nothing of src/view/silhouette is used).
 
 // An empty folder under /tmp; the caller removes it with synth_remove and frees the name.

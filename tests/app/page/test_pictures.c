@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 // clang-format on
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +28,8 @@ static void write_plain(const struct ap_capture *c, int64_t frame, const char *s
 
 static struct ap_capture plain_capture(const char *dir, int frames) {
     struct ap_capture c = synth_capture(dir, (struct ap_space){0, 1}, AP_VIEW_NATIVE, 2 * frames);
+    for (int e = 0; e < 2; e++) // even eyes: the anaglyph moves nothing
+        c.headset.eye[e] = (struct ap_eye_profile){30, 20, -0.7, 0.7, 0.6, -0.6, 0};
     for (size_t k = 0; k < c.frame_count; k++) {
         write_plain(&c, c.frames[k].frame, "left.png", 30, 20, (uint8_t)(60 + k));
         write_plain(&c, c.frames[k].frame, "right.png", 30, 20, 200);
@@ -82,6 +85,37 @@ static void pairs_and_sheet_are_made(void **state) {
     synth_remove(dir);
 }
 
+// A column of light that both eyes see straight ahead, at infinity, stays one in the anaglyph.
+static void anaglyphs_of_uneven_eyes_lie_together(void **state) {
+    (void)state;
+    char *dir = synth_folder();
+    struct ap_capture c = plain_capture(dir, 1);
+    c.headset.eye[0] = (struct ap_eye_profile){300, 20, -0.8, 0.6, 0.6, -0.6, 0};
+    c.headset.eye[1] = (struct ap_eye_profile){300, 20, -0.6, 0.8, 0.6, -0.6, 0};
+    for (int e = 0; e < 2; e++) {
+        double l = tan(c.headset.eye[e].left_rad), r = tan(c.headset.eye[e].right_rad);
+        struct ap_image image;
+        assert_int_equal(ap_image_create(NULL, 300, 20, &image), AP_OK);
+        memset(image.rgb + 3 * (int)(300 * -l / (r - l)), 255, 3);
+        char *path = ap_capture_picture_path(&c, 0, e ? "right.png" : "left.png");
+        assert_int_equal(ap_png_write(NULL, path, &image), AP_OK);
+        free(path);
+        ap_image_finish(&image);
+    }
+    assert_int_equal(ap_pictures_write(NULL, &c, NULL), AP_OK);
+    struct ap_image made = read_picture(&c, "000000-anaglyph.png");
+    int at[3] = {-1, -1, -1};
+    for (int x = 0; x < 300; x++)
+        for (int k = 0; k < 3; k++)
+            if (made.rgb[3 * x + k] == 255)
+                at[k] = x;
+    if (at[0] < 0 || abs(at[1] - at[0]) > 1 || at[1] != at[2])
+        fail_msg("red at %d, green at %d, blue at %d: expected one place", at[0], at[1], at[2]);
+    ap_image_finish(&made);
+    ap_capture_finish(&c);
+    synth_remove(dir);
+}
+
 static void missing_pictures_are_passed_over(void **state) {
     (void)state;
     char *dir = synth_folder();
@@ -132,6 +166,7 @@ static void uneven_eyes_are_padded(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pairs_and_sheet_are_made),
+        cmocka_unit_test(anaglyphs_of_uneven_eyes_lie_together),
         cmocka_unit_test(missing_pictures_are_passed_over),
         cmocka_unit_test(broken_pictures_are_told),
         cmocka_unit_test(uneven_eyes_are_padded),
