@@ -16,6 +16,7 @@ struct ap_xr;
 struct ap_xr_params {
     const char *application; // name, at most 63 bytes are used
     bool prefer_rgba;        // else the runtime's first sRGB format
+    bool older_vulkan;       // XR_KHR_vulkan_enable, where the runtime's _enable2 does not work
 };
 
 // Chooses the Vulkan device by XR_KHR_vulkan_enable2 (or _enable), creates session, STAGE, LOCAL

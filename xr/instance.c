@@ -23,7 +23,7 @@ enum ap_status ap_xr_check(struct ap_error *err, struct ap_xr *xr, XrResult resu
                    result_name(xr, result, name), xr->runtime_name[0] ? xr->runtime_name : "none");
 }
 
-static enum ap_status choose_extension(struct ap_error *err, bool *vulkan2) {
+static enum ap_status choose_extension(struct ap_error *err, bool older, bool *vulkan2) {
     uint32_t count = 0;
     XrResult r = xrEnumerateInstanceExtensionProperties(NULL, 0, &count, NULL);
     if (r != XR_SUCCESS)
@@ -48,7 +48,7 @@ static enum ap_status choose_extension(struct ap_error *err, bool *vulkan2) {
         return ap_fail(err, AP_ENVIRONMENT,
                        "the OpenXR runtime offers no Vulkan (XR_KHR_vulkan_enable2 or _enable): "
                        "choose another runtime with XR_RUNTIME_JSON");
-    *vulkan2 = two;
+    *vulkan2 = two && !(older && one);
     return AP_OK;
 }
 
@@ -72,7 +72,7 @@ static enum ap_status get_system(struct ap_error *err, struct ap_xr *xr) {
 
 enum ap_status ap_xr_instance_create(struct ap_error *err, const struct ap_xr_params *params,
                                      struct ap_xr *xr) {
-    enum ap_status st = choose_extension(err, &xr->vulkan2);
+    enum ap_status st = choose_extension(err, params->older_vulkan, &xr->vulkan2);
     if (st)
         return st;
     const char *extension =

@@ -44,7 +44,7 @@ struct play {
 struct play_options {
     struct ap_room_options room;
     const char *headset;
-    bool simulated, no_window, stats;
+    bool simulated, no_window, older_vulkan, stats;
     double seconds;
 };
 
@@ -147,8 +147,8 @@ static enum ap_status loop(struct ap_error *err, struct play *play, double secon
     }
 }
 
-static enum ap_status open_play(struct ap_error *err, struct play *play) {
-    const struct ap_xr_params params = {.application = "antipode"};
+static enum ap_status open_play(struct ap_error *err, bool older_vulkan, struct play *play) {
+    const struct ap_xr_params params = {.application = "antipode", .older_vulkan = older_vulkan};
     enum ap_status st = ap_xr_create(err, &params, &play->xr);
     if (st)
         return st;
@@ -200,6 +200,8 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         {"simulated", AP_OPTION_FLAG, &o.simulated, "",
          "the simulated headset, whatever is active"},
         {"no-window", AP_OPTION_FLAG, &o.no_window, "", "no window: poses from the scripted walk"},
+        {"older-vulkan", AP_OPTION_FLAG, &o.older_vulkan, "",
+         "XR_KHR_vulkan_enable, where the runtime's _enable2 does not work"},
         {"seconds", AP_OPTION_NUMBER, &o.seconds, "S", "end after so long"},
         {"stats", AP_OPTION_FLAG, &o.stats, "", "say at the end how many frames were drawn"},
     };
@@ -223,7 +225,7 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         st = choose_runtime(err, &o, argv + 1, logs, settings);
     int64_t start = ap_clock_now_ns();
     if (!st)
-        st = open_play(err, &play);
+        st = open_play(err, o.older_vulkan, &play);
     if (settings[0])
         unlink(settings);
     if (!st)
