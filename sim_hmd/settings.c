@@ -46,10 +46,12 @@ static enum ap_status read_headset(struct ap_error *err, const struct ap_json_at
     return st;
 }
 
-// "role=PATH" keeps its role; a '=' after a '/' belongs to the path.
+// "role=PATH" keeps its role, which is a word (docs/pose-logs.md); any other '=' is the path's.
 static char *resolve_log(const char *settings_path, const char *source) {
-    const char *equals = strchr(source, '='), *slash = strchr(source, '/');
-    if (!equals || (slash && slash < equals))
+    size_t word = strspn(source, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                 "0123456789_-");
+    const char *equals = source + word;
+    if (word == 0 || *equals != '=')
         return resolve_path(settings_path, source);
     char *path = resolve_path(settings_path, equals + 1);
     if (!path)

@@ -5,6 +5,7 @@
 
 #include "sim_hmd/pacer.h"
 #include "sim_hmd/source_window.h"
+#include "src/base/log.h"
 #include "src/device/walk.h"
 
 // A backend answers in its own time: nanoseconds since the session's first frame.
@@ -89,6 +90,9 @@ static enum ap_status load_logs(struct ap_error *err, const struct sim_settings 
     if (st)
         return st;
     st = ap_timeline_load(err, log, &s->timeline);
+    int64_t skipped = ap_poselog_skipped(log);
+    if (!st && skipped)
+        ap_log(AP_LOG_WARNING, "%lld bad lines of the pose logs skipped", (long long)skipped);
     ap_poselog_close(log);
     if (st)
         return st;
