@@ -15,7 +15,8 @@ enum {
     TARGETS_MAX = 4096,
     CAPTURED_MAX = 1000000,
     LINE_MAX_BYTES = 4096,
-    FIELDS = 27 // frame, t_ns, device, state, 7 of the pose, 16 of the matrix
+    FIELDS = 27, // frame, t_ns, device, state, 7 of the pose, 16 of the matrix
+    FIRST_OF_MATRIX = 11
 };
 
 static const char HEADER[] = "frame,t_ns,device,state,px,py,pz,qx,qy,qz,qw,m00,m01,m02,m03,m10,m11,"
@@ -242,6 +243,7 @@ struct table_reader {
     size_t step_room;
     int64_t frame, t_ns;
     const char *device;
+    bool has_matrix;    // not where the tracker gave no pose (a hand before the first head)
     double numbers[23]; // pose and matrix
 };
 
@@ -278,9 +280,13 @@ static enum ap_status split_line(struct ap_error *err, struct table_reader *r, c
     r->device = field[2];
     if (!is_state(field[3]))
         return bad_line(err, r, 3, "exact, interpolated or lost");
-    for (int i = 4; i < FIELDS; i++)
+    r->has_matrix = field[FIRST_OF_MATRIX][0] != '\0';
+    for (int i = 4; i < FIELDS; i++) {
+        if (i >= FIRST_OF_MATRIX && !r->has_matrix && field[i][0] == '\0')
+            continue;
         if (!ap_parse_double(field[i], strlen(field[i]), &r->numbers[i - 4]))
             return bad_line(err, r, i, "a finite number");
+    }
     return AP_OK;
 }
 
@@ -361,9 +367,9 @@ static enum ap_status read_rows(struct ap_error *err, FILE *file, struct table_r
         enum ap_status st = split_line(err, r, line);
         if (!st && r->frame < last)
             st = bad_line(err, r, 0, "frame numbers that do not fall");
-        if (!st)
+        if (!st && r->has_matrix)
             st = keep_step(err, r, c);
-        if (!st)
+        if (!st && r->has_matrix)
             st = keep_head(err, r, c);
         if (st)
             return st;

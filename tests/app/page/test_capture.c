@@ -143,6 +143,28 @@ static void broken_json_is_refused(void **state) {
     check_breakages("capture.json", b, sizeof b / sizeof b[0]);
 }
 
+// A hand whose tracker had no head yet has a row without a matrix, which makes no step.
+static void rows_without_a_virtual_pose_are_skipped(void **state) {
+    (void)state;
+    struct ap_capture c, r;
+    char *dir = make(&c), *good = synth_read_text(dir, "frames.csv");
+    char *more = replaced(good, "\n0,1000,head",
+                          "\n0,1000,left,exact,0,0,0,0,0,0,1,,,,,,,,,,,,,,,,"
+                          "\n0,1000,head");
+    synth_write_text(dir, "frames.csv", more);
+    struct ap_error err = {""};
+    if (ap_capture_read(&err, dir, &r))
+        fail_msg("%s", err.text);
+    assert_int_equal(r.frame_count, 3);
+    assert_int_equal(r.step_count, 12);
+    assert_int_equal(r.device_count, 2);
+    ap_capture_finish(&r);
+    free(good);
+    free(more);
+    ap_capture_finish(&c);
+    synth_remove(dir);
+}
+
 static void broken_rows_are_refused(void **state) {
     (void)state;
     static const struct breakage b[] = {
@@ -153,6 +175,8 @@ static void broken_rows_are_refused(void **state) {
         {",exact,", ",exact", ":2: expected 27 fields, found 26"},
         {",exact,0,", ",exact,nan,", ":2: field 5"},
         {",exact,0,", ",exact,1e999,", ":2: field 5"},
+        {"\n0,1000,head", "\n0,1000,left,exact,0,0,0,0,0,0,1,,,,,,,,,,,,,,,,1.5.2\n0,1000,head",
+         ":2: field 27"},
         {"\n0,", "\n-1,", ":2: field 1"},
         {"\n0,", "\n5,", ":3: field 1"},
         {"\n0,1000", "\n0,1000.5", ":2: field 2"},
@@ -203,6 +227,7 @@ int main(void) {
         cmocka_unit_test(what_is_written_is_read),
         cmocka_unit_test(writing_repeats),
         cmocka_unit_test(broken_json_is_refused),
+        cmocka_unit_test(rows_without_a_virtual_pose_are_skipped),
         cmocka_unit_test(broken_rows_are_refused),
         cmocka_unit_test(long_and_empty_files_are_refused),
         cmocka_unit_test(eyes_are_rounded_as_the_runtime_rounds),
