@@ -12,5 +12,4 @@ XR_ENABLE_API_LAYERS=XR_APILAYER_LUNARG_core_validation XR_CORE_VALIDATION_EXPOR
 if grep -E 'VALID_ERROR|VALID_WARNING|VALIDATION_ERROR' "$log" | sort | uniq -c | head -20 | grep .; then
 	exit 1
 fi
-grep -c 'VALID' "$log" >/dev/null || true
 echo "the validation layer has nothing to say"
