@@ -48,6 +48,39 @@ struct play_options {
     double seconds;
 };
 
+// Whether Vulkan here is a program rather than a chip: then a full headset's pictures take too long
+// to walk about in.
+static bool vulkan_is_software(void) {
+    VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+    VkInstance instance;
+    if (vkCreateInstance(&info, NULL, &instance) != VK_SUCCESS)
+        return false;
+    VkPhysicalDevice devices[8];
+    uint32_t count = 8;
+    VkResult r = vkEnumeratePhysicalDevices(instance, &count, devices);
+    bool software = r == VK_SUCCESS || r == VK_INCOMPLETE;
+    for (uint32_t i = 0; software && i < count; i++) {
+        VkPhysicalDeviceProperties properties;
+        vkGetPhysicalDeviceProperties(devices[i], &properties);
+        software = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    }
+    vkDestroyInstance(instance, NULL);
+    return software;
+}
+
+// The profile's absolute path, malloc'ed; NULL: the built-in one.
+static char *choose_headset(const char *asked) {
+    if (asked) {
+        char *real = realpath(asked, NULL);
+        return real ? real : strdup(asked);
+    }
+    char *small = vulkan_is_software() ? ap_shared_path("headsets/ci.json") : NULL;
+    if (small)
+        ap_log(AP_LOG_INFO, "Vulkan runs in software here: the small ci headset (--headset FILE "
+                            "chooses another)");
+    return small;
+}
+
 // A temporary settings file; the runtime reads it once, when the instance is made.
 static enum ap_status write_settings(struct ap_error *err, const struct play_options *o,
                                      char **logs, int log_count, char path[64]) {
@@ -64,9 +97,9 @@ static enum ap_status write_settings(struct ap_error *err, const struct play_opt
     json_t *root =
         json_pack("{s:s, s:o, s:b}", "clock", "real", "poses", poses, "window", !o->no_window);
     json_decref(sources);
-    char *headset = o->headset ? realpath(o->headset, NULL) : NULL;
-    if (root && o->headset)
-        json_object_set_new(root, "headset", json_string(headset ? headset : o->headset));
+    char *headset = choose_headset(o->headset);
+    if (root && headset)
+        json_object_set_new(root, "headset", json_string(headset));
     free(headset);
     char *text = root ? json_dumps(root, 0) : NULL;
     json_decref(root);
