@@ -8,9 +8,11 @@
 #include <cmocka.h>
 
 #include <stdbool.h>
+#include <time.h>
 #include <vulkan/vulkan.h>
 
 #define XR_USE_GRAPHICS_API_VULKAN
+#define XR_USE_TIMESPEC
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "src/device/timeline.h"
 
@@ -262,6 +263,57 @@ static void bad_settings_say_where_and_make_no_instance(void **state) {
     XR_OK(xrDestroyInstance(instance));
 }
 
+static void a_session_may_do_without_graphics(void **state) {
+    (void)state;
+    client_settings("{\"clock\": \"virtual\", \"frames\": 2}");
+    const char *const extensions[] = {XR_MND_HEADLESS_EXTENSION_NAME,
+                                      XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME};
+    XrInstanceCreateInfo info = {
+        .type = XR_TYPE_INSTANCE_CREATE_INFO,
+        .applicationInfo = {.applicationName = "test", .apiVersion = XR_MAKE_VERSION(1, 0, 0)},
+        .enabledExtensionCount = 2,
+        .enabledExtensionNames = extensions};
+    struct client c = {.system = 1};
+    XR_OK(xrCreateInstance(&info, &c.instance));
+    XrSystemGetInfo get = {.type = XR_TYPE_SYSTEM_GET_INFO,
+                           .formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY};
+    XR_OK(xrGetSystem(c.instance, &get, &c.system));
+    PFN_xrConvertTimespecTimeToTimeKHR to_time;
+    PFN_xrConvertTimeToTimespecTimeKHR to_timespec;
+    *(void **)&to_time = client_proc(c.instance, "xrConvertTimespecTimeToTimeKHR");
+    *(void **)&to_timespec = client_proc(c.instance, "xrConvertTimeToTimespecTimeKHR");
+    struct timespec now, back;
+    XrTime time;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    XR_OK(to_time(c.instance, &now, &time));
+    assert_true(time >= 1000000000 && time < 2000000000);
+    XR_OK(to_timespec(c.instance, time, &back));
+    assert_true(back.tv_sec == now.tv_sec && back.tv_nsec == now.tv_nsec);
+    XR_IS(XR_ERROR_TIME_INVALID, to_timespec(c.instance, 0, &back));
+    PFN_xrVoidFunction none;
+    XR_IS(XR_ERROR_FUNCTION_UNSUPPORTED, // of an extension that is not enabled
+          xrGetInstanceProcAddr(c.instance, "xrCreateVulkanInstanceKHR", &none));
+
+    XrSessionCreateInfo create = {.type = XR_TYPE_SESSION_CREATE_INFO, .systemId = c.system};
+    XR_OK(xrCreateSession(c.instance, &create, &c.session));
+    XrSessionBeginInfo begin = {.type = XR_TYPE_SESSION_BEGIN_INFO};
+    XR_OK(xrBeginSession(c.session, &begin));
+    client_poll(&c);
+    assert_int_equal(c.state, XR_SESSION_STATE_FOCUSED); // without a frame loop
+    uint32_t formats;
+    XR_OK(xrEnumerateSwapchainFormats(c.session, 0, &formats, NULL));
+    assert_int_equal(formats, 0);
+    for (int k = 0; k < 2; k++) {
+        XrFrameState f = client_wait(&c);
+        assert_false(f.shouldRender);
+        client_begin(&c);
+        client_end_empty(&c, f.predictedDisplayTime);
+    }
+    client_poll(&c);
+    assert_int_equal(c.state, XR_SESSION_STATE_STOPPING);
+    client_stop(&c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_log_on_the_virtual_clock_gives_exactly_its_frames),
@@ -271,6 +323,7 @@ int main(void) {
         cmocka_unit_test(frame_calls_out_of_order_are_refused),
         cmocka_unit_test(sessions_need_a_good_device),
         cmocka_unit_test(the_real_clock_keeps_the_headsets_rate),
+        cmocka_unit_test(a_session_may_do_without_graphics),
         cmocka_unit_test(bad_settings_say_where_and_make_no_instance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
