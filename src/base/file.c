@@ -1,6 +1,8 @@
 #include "src/base/file.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -10,13 +12,16 @@ static enum ap_status no_memory(struct ap_error *err) {
     return ap_fail(err, AP_ENVIRONMENT, "out of memory");
 }
 
+// A hidden neighbour's name that nobody else has: the process and a count.
 static char *part_name(const char *path) {
+    static atomic_uint count;
     const char *slash = strrchr(path, '/');
     int dir_len = slash ? (int)(slash - path) + 1 : 0;
-    size_t size = strlen(path) + sizeof "..XXXXXX.part";
+    size_t size = strlen(path) + 64;
     char *part = malloc(size);
     if (part)
-        snprintf(part, size, "%.*s.%s.XXXXXX.part", dir_len, path, path + dir_len);
+        snprintf(part, size, "%.*s.%s.%ld-%u.part", dir_len, path, path + dir_len, (long)getpid(),
+                 atomic_fetch_add(&count, 1));
     return part;
 }
 
@@ -28,15 +33,12 @@ enum ap_status ap_outfile_open(struct ap_error *err, const char *path, struct ap
         st = no_memory(err);
         goto out;
     }
-    fd = mkstemps(file.part, sizeof ".part" - 1);
+    // O_EXCL: a stranger's link of that name is not followed. The umask decides who may read it.
+    fd = open(file.part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0) {
         st = ap_fail(err, AP_ENVIRONMENT, "%s: cannot be written: %s", path, strerror(errno));
         goto out;
     }
-    // mkstemps makes it 0600; a capture is for others to read too, as the umask says.
-    mode_t mask = umask(0);
-    umask(mask);
-    fchmod(fd, 0666 & ~mask);
     file.stream = fdopen(fd, "wb");
     if (!file.stream) {
         st = no_memory(err);

@@ -7,8 +7,9 @@
 
 #include "src/base/status.h"
 
-// A file being written. The bytes go to a hidden neighbour of `path` (".NAME.XXXXXX.part"); only
-// ap_outfile_commit gives them their final name, so nobody ever sees half a file there.
+// A file being written; different files from different threads at once. The bytes go to a hidden
+// neighbour of `path` (".NAME.PID-COUNT.part"); only ap_outfile_commit gives them their final name,
+// so nobody ever sees half a file there.
 struct ap_outfile {
     FILE *stream; // write here; errors are collected and reported by commit
     char *path;
