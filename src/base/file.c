@@ -25,16 +25,30 @@ static char *part_name(const char *path) {
     return part;
 }
 
-enum ap_status ap_outfile_open(struct ap_error *err, const char *path, struct ap_outfile *out) {
-    struct ap_outfile file = {.path = strdup(path), .part = part_name(path)};
+// O_EXCL: a stranger's link of that name is not followed. The umask decides who may read the file.
+// A name that a killed process of the same number left behind is passed over.
+static int open_part(const char *path, char **part) {
     int fd = -1;
+    for (int tries = 0; tries < 100; tries++) {
+        free(*part);
+        *part = part_name(path);
+        if (!*part)
+            return -1;
+        fd = open(*part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd >= 0 || errno != EEXIST)
+            break;
+    }
+    return fd;
+}
+
+enum ap_status ap_outfile_open(struct ap_error *err, const char *path, struct ap_outfile *out) {
+    struct ap_outfile file = {.path = strdup(path)};
     enum ap_status st = AP_OK;
+    int fd = open_part(path, &file.part);
     if (!file.path || !file.part) {
         st = no_memory(err);
         goto out;
     }
-    // O_EXCL: a stranger's link of that name is not followed. The umask decides who may read it.
-    fd = open(file.part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0) {
         st = ap_fail(err, AP_ENVIRONMENT, "%s: cannot be written: %s", path, strerror(errno));
         goto out;
