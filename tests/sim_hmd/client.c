@@ -40,6 +40,16 @@ void client_settings(const char *json) {
         unsetenv("ANTIPODE_SIM");
 }
 
+static XrInstance last_instance;
+
+int client_teardown(void **state) {
+    (void)state;
+    if (last_instance)
+        xrDestroyInstance(last_instance);
+    last_instance = XR_NULL_HANDLE;
+    return 0;
+}
+
 XrResult client_try_instance(XrInstance *instance) {
     const char *extension = XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME;
     XrInstanceCreateInfo info = {
@@ -47,7 +57,9 @@ XrResult client_try_instance(XrInstance *instance) {
         .applicationInfo = {.applicationName = "test", .apiVersion = XR_MAKE_VERSION(1, 0, 0)},
         .enabledExtensionCount = 1,
         .enabledExtensionNames = &extension};
-    return xrCreateInstance(&info, instance);
+    XrResult result = xrCreateInstance(&info, instance);
+    last_instance = result == XR_SUCCESS ? *instance : XR_NULL_HANDLE;
+    return result;
 }
 
 void client_make_instance(struct client *c) {
@@ -172,6 +184,7 @@ void client_stop(struct client *c) {
         vkDestroyInstance(c->vk, NULL);
     if (c->instance)
         XR_OK(xrDestroyInstance(c->instance));
+    last_instance = XR_NULL_HANDLE;
     *c = (struct client){0};
 }
 

@@ -50,6 +50,9 @@ void client_make_session(struct client *c); // and the three reference spaces
 void client_start(struct client *c);        // all of the above, then begins
 void client_stop(struct client *c);         // destroys what there is
 
+// After each test: ends the instance that a failed one left, for the loader has one at a time.
+int client_teardown(void **state);
+
 // Takes all events; the last state is in c->state.
 void client_poll(struct client *c);
 

@@ -404,12 +404,13 @@ static void a_full_disk_ends_the_session_cleanly(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(swapchains_are_checked),
-        cmocka_unit_test(every_listed_format_can_be_made),
-        cmocka_unit_test(images_go_round_in_order),
-        cmocka_unit_test(a_picture_at_the_display_is_captured_bit_for_bit),
-        cmocka_unit_test(layers_are_checked),
-        cmocka_unit_test(a_full_disk_ends_the_session_cleanly),
+        cmocka_unit_test_teardown(swapchains_are_checked, client_teardown),
+        cmocka_unit_test_teardown(every_listed_format_can_be_made, client_teardown),
+        cmocka_unit_test_teardown(images_go_round_in_order, client_teardown),
+        cmocka_unit_test_teardown(a_picture_at_the_display_is_captured_bit_for_bit,
+                                  client_teardown),
+        cmocka_unit_test_teardown(layers_are_checked, client_teardown),
+        cmocka_unit_test_teardown(a_full_disk_ends_the_session_cleanly, client_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

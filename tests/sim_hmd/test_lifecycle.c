@@ -316,15 +316,16 @@ static void a_session_may_do_without_graphics(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_log_on_the_virtual_clock_gives_exactly_its_frames),
-        cmocka_unit_test(the_settings_may_ask_for_fewer_frames),
-        cmocka_unit_test(captured_frames_are_rendered_and_others_are_not),
-        cmocka_unit_test(states_come_in_their_order),
-        cmocka_unit_test(frame_calls_out_of_order_are_refused),
-        cmocka_unit_test(sessions_need_a_good_device),
-        cmocka_unit_test(the_real_clock_keeps_the_headsets_rate),
-        cmocka_unit_test(a_session_may_do_without_graphics),
-        cmocka_unit_test(bad_settings_say_where_and_make_no_instance),
+        cmocka_unit_test_teardown(a_log_on_the_virtual_clock_gives_exactly_its_frames,
+                                  client_teardown),
+        cmocka_unit_test_teardown(the_settings_may_ask_for_fewer_frames, client_teardown),
+        cmocka_unit_test_teardown(captured_frames_are_rendered_and_others_are_not, client_teardown),
+        cmocka_unit_test_teardown(states_come_in_their_order, client_teardown),
+        cmocka_unit_test_teardown(frame_calls_out_of_order_are_refused, client_teardown),
+        cmocka_unit_test_teardown(sessions_need_a_good_device, client_teardown),
+        cmocka_unit_test_teardown(the_real_clock_keeps_the_headsets_rate, client_teardown),
+        cmocka_unit_test_teardown(a_session_may_do_without_graphics, client_teardown),
+        cmocka_unit_test_teardown(bad_settings_say_where_and_make_no_instance, client_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -311,14 +311,14 @@ static void instances_come_and_go(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dead_and_foreign_handles_are_told),
-        cmocka_unit_test(random_handles_never_crash),
-        cmocka_unit_test(null_and_mistyped_structures_are_refused),
-        cmocka_unit_test(paths_are_checked),
-        cmocka_unit_test(actions_are_checked),
-        cmocka_unit_test(threads_do_not_disturb_each_other),
-        cmocka_unit_test(waiting_ahead_blocks_until_the_frame_is_begun),
-        cmocka_unit_test(instances_come_and_go),
+        cmocka_unit_test_teardown(dead_and_foreign_handles_are_told, client_teardown),
+        cmocka_unit_test_teardown(random_handles_never_crash, client_teardown),
+        cmocka_unit_test_teardown(null_and_mistyped_structures_are_refused, client_teardown),
+        cmocka_unit_test_teardown(paths_are_checked, client_teardown),
+        cmocka_unit_test_teardown(actions_are_checked, client_teardown),
+        cmocka_unit_test_teardown(threads_do_not_disturb_each_other, client_teardown),
+        cmocka_unit_test_teardown(waiting_ahead_blocks_until_the_frame_is_begun, client_teardown),
+        cmocka_unit_test_teardown(instances_come_and_go, client_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -372,10 +372,10 @@ static void bad_times_and_poses_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_frame_has_the_logs_poses),
-        cmocka_unit_test(local_is_level_at_the_first_head_pose),
-        cmocka_unit_test(velocity_is_the_logs),
-        cmocka_unit_test(bad_times_and_poses_are_refused),
+        cmocka_unit_test_teardown(every_frame_has_the_logs_poses, client_teardown),
+        cmocka_unit_test_teardown(local_is_level_at_the_first_head_pose, client_teardown),
+        cmocka_unit_test_teardown(velocity_is_the_logs, client_teardown),
+        cmocka_unit_test_teardown(bad_times_and_poses_are_refused, client_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
