@@ -141,12 +141,14 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
                         const struct ap_part *part, const struct ap_place *place, double grain) {
     double centre = (place->near_m + place->far_m) / 2, longest = longest_facet(viewer, place);
     double radius = fmax(part->radius_m, part->radius2_m);
+    // Unlit parts are what is measured.
+    double outline_px = part->lit ? 0.25 : 0.05;
     switch (part->kind) {
     case AP_PART_BALL:
-        return outline_error(viewer, eyes, part->radius_m, centre, grain) < 0.05 &&
+        return outline_error(viewer, eyes, part->radius_m, centre, grain) < outline_px &&
                2 * part->radius_m * grain < longest;
     case AP_PART_STICK:
-        return outline_error(viewer, eyes, radius, place->near_m + radius, grain) < 0.1;
+        return outline_error(viewer, eyes, radius, place->near_m + radius, grain) < outline_px;
     case AP_PART_POLYGON:
         return edge_error(viewer, eyes, place, grain) < 0.25 && grain < longest;
     case AP_PART_SOLID:
