@@ -61,7 +61,8 @@ static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *sce
         return st;
     case AP_PART_STICK:
         for (size_t k = 0; st == AP_OK && k < sizeof STICK_AROUND / sizeof *STICK_AROUND; k++) {
-            st = ap_mesh_stick(err, scene->space, part, STICK_AROUND[k], data, &shape->mesh[k]);
+            st = ap_mesh_stick(err, scene->space, part, STICK_AROUND[k], data, &shape->mesh[k],
+                               &shape->step_m[k]);
             shape->grain[k] = PI / STICK_AROUND[k];
             shape->levels++;
         }

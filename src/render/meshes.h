@@ -15,6 +15,7 @@ struct ap_shape {
     // How coarse: balls and sticks, the angle at the axis between a facet's middle and its corner;
     // polygons, the longest edge in metres.
     double grain[AP_LEVELS_MAX];
+    double step_m[AP_LEVELS_MAX]; // sticks: between rings
 };
 
 struct ap_meshes {

@@ -138,9 +138,11 @@ static double longest_facet(const struct ap_viewer *viewer, const struct ap_plac
 }
 
 static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
-                        const struct ap_part *part, const struct ap_place *place, double grain) {
+                        const struct ap_part *part, const struct ap_shape *shape,
+                        const struct ap_place *place, int level) {
     double centre = (place->near_m + place->far_m) / 2, longest = longest_facet(viewer, place);
     double radius = fmax(part->radius_m, part->radius2_m);
+    double grain = shape->grain[level], step = shape->step_m[level];
     // Unlit parts are what is measured.
     double outline_px = part->lit ? 0.25 : 0.05;
     switch (part->kind) {
@@ -148,7 +150,9 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
         return outline_error(viewer, eyes, part->radius_m, centre, grain) < outline_px &&
                2 * part->radius_m * grain < longest;
     case AP_PART_STICK:
-        return outline_error(viewer, eyes, radius, place->near_m + radius, grain) < outline_px;
+        return outline_error(viewer, eyes, radius, place->near_m + radius, grain) < outline_px &&
+               edge_error(viewer, eyes, place, step) < 0.25 &&
+               fmax(step, 2 * radius * grain) < longest;
     case AP_PART_POLYGON:
         return edge_error(viewer, eyes, place, grain) < 0.25 && grain < longest;
     case AP_PART_SOLID:
@@ -161,8 +165,7 @@ int ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                     const struct ap_part *part, const struct ap_shape *shape,
                     const struct ap_place *place) {
     int level = 0;
-    while (level + 1 < shape->levels &&
-           !fine_enough(viewer, eyes, part, place, shape->grain[level]))
+    while (level + 1 < shape->levels && !fine_enough(viewer, eyes, part, shape, place, level))
         level++;
     return level;
 }

@@ -25,10 +25,10 @@ struct ap_renderer_params {
 };
 
 // Borrows gpu and scene, which must outlive the renderer; the parts' places, colours, `hidden`
-// and the radius of balls may change between frames, their number and other shapes may not. Where the physical device has the
-// multiview feature (core in Vulkan 1.1) the device must have been created with it, unless
-// no_multiview; nothing else is asked of the device. One thread. A queue that failed cannot be used
-// again: destroy the renderer.
+// and the radius of balls may change between frames, their number and other shapes may not. Where
+// the physical device has the multiview feature (core in Vulkan 1.1) the device must have been
+// created with it, unless no_multiview; nothing else is asked of the device. One thread. A queue
+// that failed cannot be used again: destroy the renderer.
 enum ap_status ap_renderer_create(struct ap_error *err, const struct ap_gpu *gpu,
                                   const struct ap_scene *scene,
                                   const struct ap_renderer_params *params,
