@@ -69,6 +69,10 @@ struct ap_place ap_place_part(const struct ap_place_params *params, const struct
     if (space.kappa > 0)
         place.far_m = fmin(place.far_m, PI * space.rho_m - clear);
 
+    // Farther away matrices leave float's range, and what there is is smaller than 1e-20 of a
+    // pixel.
+    if (space.kappa < 0 && !(place.near_m < 60 * space.rho_m))
+        return place;
     struct ap_vec4 points[CORNERS_MAX];
     struct ap_bounds bounds = {.nose_points = points};
     bounds.count = hull(space, part, reach_m, points, &bounds.radius_m);
