@@ -22,6 +22,11 @@ static const double LESS_RELATIVE = 0.002, LESS_EDGE = 0.45;
 static const double MORE_RELATIVE = 0.02, MORE_EDGE = 0.5;
 static const double LEAST_AREA_PX = 12;
 
+// Nor is it where its rim shows what is neither the target nor the background around it (another
+// thing touches it). Of 606 discs in the ci headset 8 % had a centroid off by more than 0.1 px
+// without this, none of the 454 that are left.
+static const double STRANGE_EDGE = 0.15;
+
 // How far beyond the exact outline a disc is looked for.
 static const double MARGIN_PX = 4;
 
@@ -116,8 +121,10 @@ struct sight {
     double px_rad;            // the angle of one pixel to the side, there
 };
 
-static bool believable(double area_px, double exact_px, double outline_px) {
-    double edge = sqrt(outline_px), off = area_px - exact_px;
+static bool believable(const struct ap_blob *blob, double exact_px, double outline_px) {
+    double edge = sqrt(outline_px), off = blob->area_px - exact_px;
+    if (blob->touches_edge || blob->strange_px > STRANGE_EDGE * edge)
+        return false;
     return off >= -(LESS_RELATIVE * exact_px + LESS_EDGE * edge) &&
            off <= MORE_RELATIVE * exact_px + MORE_EDGE * edge;
 }
@@ -132,8 +139,8 @@ static bool measure_disc(const struct ap_image *picture, const struct screen *sc
     struct ap_blob blob;
     double area = o->s.area * screen->px_per_a * screen->px_per_b;
     double around = M_PI * ((o->max_i - o->min_i) + (o->max_j - o->min_j)) / 2;
-    if (area < LEAST_AREA_PX || !ap_find_blob(picture, &query, &blob) || blob.touches_edge ||
-        !believable(blob.area_px, area, around))
+    if (area < LEAST_AREA_PX || !ap_find_blob(picture, &query, &blob) ||
+        !believable(&blob, area, around))
         return false;
     double a = o->s.centre_a + (blob.i - px_i(screen, o->s.centroid_a)) / screen->px_per_a;
     double b = o->s.centre_b - (blob.j - px_j(screen, o->s.centroid_b)) / screen->px_per_b;

@@ -27,6 +27,7 @@ struct window {
     uint8_t color[3];               // the core's bytes
     uint8_t *kind;                  // width·height
     float *cover;                   // width·height: coverage
+    float *rest;                    // width·height: what is neither colour nor background
     int *stack;                     // width·height
 };
 
@@ -64,9 +65,10 @@ static bool open_window(struct window *w, const struct ap_image *image,
     size_t n = (size_t)w->width * (size_t)w->height;
     w->kind = calloc(n, sizeof *w->kind);
     w->cover = calloc(n, sizeof *w->cover);
+    w->rest = calloc(n, sizeof *w->rest);
     w->stack = malloc(n * sizeof *w->stack);
     ap_srgb_init(&w->srgb);
-    return w->kind && w->cover && w->stack;
+    return w->kind && w->cover && w->rest && w->stack;
 }
 
 static bool has_pair(const struct window *w, const uint8_t color[3]) {
@@ -236,17 +238,23 @@ static bool background(const struct window *w, int x, int y, double b[3]) {
     return true;
 }
 
-// min over a of |shown − (a·c + (1−a)·b)|².
-static double coverage(const struct window *w, int x, int y) {
-    double b[3], along = 0, length = 0;
+// The a that makes |shown − (a·c + (1−a)·b)| least, and that rest in units of |c − b|: what the
+// pixel shows that is neither the colour nor the background.
+static double coverage(const struct window *w, int x, int y, double *rest) {
+    double b[3], along = 0, length = 0, square = 0;
+    *rest = 0;
     if (!background(w, x, y, b))
         return 0;
     const uint8_t *p = pixel(w, x, y);
     for (int c = 0; c < 3; c++) {
         double d = w->srgb.linear[w->color[c]] - b[c];
-        along += (w->srgb.linear[p[c]] - b[c]) * d;
+        double shown = w->srgb.linear[p[c]] - b[c];
+        along += shown * d;
+        square += shown * shown;
         length += d * d;
     }
+    if (length > 0)
+        *rest = sqrt(fmax(square - along * along / length, 0) / length);
     return length > 0 ? fmin(fmax(along / length, 0), 1) : 0;
 }
 
@@ -254,10 +262,12 @@ static void cover(struct window *w) {
     for (int y = 0; y < w->height; y++)
         for (int x = 0; x < w->width; x++) {
             int at = y * w->width + x;
+            double rest = 0;
             if (w->kind[at] == CORE)
                 w->cover[at] = 1;
             else if (w->kind[at] == RIM)
-                w->cover[at] = (float)coverage(w, x, y);
+                w->cover[at] = (float)coverage(w, x, y, &rest);
+            w->rest[at] = (float)rest;
         }
 }
 
@@ -282,6 +292,7 @@ static void measure(const struct window *w, struct ap_blob *blob) {
                 continue;
             int i = w->x0 + x, j = w->y0 + y;
             sum += a;
+            blob->strange_px += (double)w->rest[y * w->width + x];
             sum_i += a * (i + 0.5);
             sum_j += a * (j + 0.5);
             // What a byte's rounding can feign in one pixel does not make the disc cut.
@@ -308,6 +319,7 @@ bool ap_find_blob(const struct ap_image *image, const struct ap_blob_query *quer
     }
     free(w.kind);
     free(w.cover);
+    free(w.rest);
     free(w.stack);
     return found;
 }

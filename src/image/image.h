@@ -60,6 +60,7 @@ struct ap_blob_query {
 struct ap_blob {
     double i, j;       // centroid, pixels
     double area_px;    // sum of coverage
+    double strange_px; // sum over its edge of what is no mixture of the colour and its background
     bool touches_edge; // of the picture
 };
 // False: no pixel of that colour.

@@ -181,12 +181,33 @@ static void edges_and_misses(void **state) {
     ap_image_finish(&image);
 }
 
+// A second thing that touches the disc is told apart from an uneven background.
+static void strange_pixels(void **state) {
+    (void)state;
+    const uint8_t cyan[3] = {34, 224, 255}, lime[3] = {128, 255, 32};
+    ground *const grounds[] = {black, blue, slope};
+    struct ap_blob blob;
+    for (size_t k = 0; k < 3; k++) {
+        struct ap_image image = paint(64, 64, grounds[k]);
+        draw_disc(&image, cyan, 30.3, 31.6, 6.2);
+        struct ap_blob_query query = around(cyan, 30.3, 31.6, 12);
+        assert_true(ap_find_blob(&image, &query, &blob));
+        if (blob.strange_px > 0.3)
+            fail_msg("alone: %g strange pixels, at most 0.3", blob.strange_px);
+        draw_disc(&image, lime, 24.2, 31.6, 2.5);
+        draw_disc(&image, cyan, 30.3, 31.6, 6.2);
+        assert_true(ap_find_blob(&image, &query, &blob));
+        if (blob.strange_px < 1)
+            fail_msg("touched: %g strange pixels, at least 1", blob.strange_px);
+        ap_image_finish(&image);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(accuracy),
-        cmocka_unit_test(similar_colours),
-        cmocka_unit_test(rounded_colour),
-        cmocka_unit_test(edges_and_misses),
+        cmocka_unit_test(accuracy),       cmocka_unit_test(similar_colours),
+        cmocka_unit_test(rounded_colour), cmocka_unit_test(edges_and_misses),
+        cmocka_unit_test(strange_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
