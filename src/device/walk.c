@@ -148,14 +148,21 @@ static struct aimed blend(struct aimed a, struct aimed b, double part) {
                           a.roll_rad + part * (b.roll_rad - a.roll_rad)};
 }
 
+// A grip's −z runs from the little finger to the thumb, its −y to the tips of straight fingers, +y
+// up the forearm (OpenXR, 6.3.1 "grip"). Lying palm down the left hand has its thumb to the right:
+// nearly a quarter turn each about y and z from one that hangs.
+static const double FLAT_YAW = -1.15, FLAT_ROLL = -1.1;
+
 // Swings against the right leg's step, touches the table's edge, or makes the bridge on it.
 static struct aimed left_at(const struct walker *w) {
     const struct ap_walk_state *s = &w->state;
     double swing = s->pace * sin(M_PI * STEP_HZ * w->t_s), yaw = w->heading_rad;
     struct aimed hand = {body_point(w, -0.24, 0.90 + 0.02 * swing * swing, 0.10 + 0.07 * swing),
-                         yaw - 0.1, -0.6 + 0.2 * swing, 0};
-    struct aimed on_edge = {path_point(w, 0.01, 0.18, w->table_y + 0.03), yaw + 0.5, -0.3, 0.1};
-    struct aimed bridge = {path_point(w, -0.10, 0, w->table_y + 0.05), yaw, -0.1, 0.3};
+                         yaw - 0.1, 0.2 + 0.2 * swing, 0};
+    struct aimed on_edge = {path_point(w, 0.01, 0.18, w->table_y + 0.03), yaw + 0.5 + FLAT_YAW, 0.1,
+                            FLAT_ROLL};
+    struct aimed bridge = {path_point(w, -0.10, 0, w->table_y + 0.05), yaw + FLAT_YAW, 0.1,
+                           FLAT_ROLL};
     hand = blend(hand, on_edge, s->touch * (1 - s->bend));
     hand = blend(hand, bridge, s->bend);
     reach(w, -SHOULDER_SIDE, &hand);
@@ -169,7 +176,7 @@ static struct aimed right_at(const struct walker *w) {
     const struct ap_walk_state *s = &w->state;
     double swing = s->pace * sin(M_PI * STEP_HZ * w->t_s);
     struct aimed hand = {body_point(w, 0.23, 0.98, 0.14 - 0.04 * swing), w->heading_rad + 0.1,
-                         -0.45 - 0.06 * swing, 0};
+                         -0.12 - 0.06 * swing, 0};
     struct aimed shot = {body_point(w, 0.14, w->table_y + 0.16, 0.02 + 0.06 * s->stroke), 0, 0, 0};
     struct ap_vec3 cue = ap_vec3_sub(left_at(w).p, shot.p);
     double yaw = remainder(atan2(-cue.x, -cue.z) - w->heading_rad, 2 * M_PI);
