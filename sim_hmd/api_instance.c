@@ -10,22 +10,6 @@
 
 // Instances, events, paths and the names of things.
 
-static const struct {
-    const char *name;
-    uint32_t version;
-    size_t flag; // offset in struct sim_instance
-} extensions[] = {
-    {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME, XR_KHR_vulkan_enable2_SPEC_VERSION,
-     offsetof(struct sim_instance, vulkan_enable2)},
-    {XR_KHR_VULKAN_ENABLE_EXTENSION_NAME, XR_KHR_vulkan_enable_SPEC_VERSION,
-     offsetof(struct sim_instance, vulkan_enable)},
-    {XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_KHR_convert_timespec_time_SPEC_VERSION,
-     offsetof(struct sim_instance, timespec)},
-    {XR_MND_HEADLESS_EXTENSION_NAME, XR_MND_headless_SPEC_VERSION,
-     offsetof(struct sim_instance, headless)},
-};
-enum { EXTENSION_COUNT = sizeof extensions / sizeof *extensions };
-
 struct sim_instance *sim_instance_get(XrInstance handle) {
     return sim_object_get(sim_raw(handle), SIM_INSTANCE);
 }
@@ -60,17 +44,17 @@ XrResult XRAPI_CALL xrEnumerateInstanceExtensionProperties(const char *layer, ui
         return XR_ERROR_API_LAYER_NOT_PRESENT;
     if (!count || (capacity && !properties))
         return XR_ERROR_VALIDATION_FAILURE;
-    *count = EXTENSION_COUNT;
+    *count = SIM_EXTENSION_COUNT;
     if (capacity == 0)
         return XR_SUCCESS;
-    if (capacity < EXTENSION_COUNT)
+    if (capacity < SIM_EXTENSION_COUNT)
         return XR_ERROR_SIZE_INSUFFICIENT;
-    for (int i = 0; i < EXTENSION_COUNT; i++) {
+    for (int i = 0; i < SIM_EXTENSION_COUNT; i++) {
         if (properties[i].type != XR_TYPE_EXTENSION_PROPERTIES)
             return XR_ERROR_VALIDATION_FAILURE;
         snprintf(properties[i].extensionName, sizeof properties[i].extensionName, "%s",
-                 extensions[i].name);
-        properties[i].extensionVersion = extensions[i].version;
+                 sim_extensions[i].name);
+        properties[i].extensionVersion = sim_extensions[i].version;
     }
     return XR_SUCCESS;
 }
@@ -95,15 +79,10 @@ static XrResult check_create_info(const XrInstanceCreateInfo *info) {
 
 static XrResult enable_extensions(const XrInstanceCreateInfo *info, struct sim_instance *instance) {
     for (uint32_t i = 0; i < info->enabledExtensionCount; i++) {
-        bool known = false;
-        for (int e = 0; e < EXTENSION_COUNT; e++) {
-            if (strcmp(info->enabledExtensionNames[i], extensions[e].name) != 0)
-                continue;
-            *(bool *)((char *)instance + extensions[e].flag) = true;
-            known = true;
-        }
-        if (!known)
+        enum sim_extension_id id = sim_extension_find(info->enabledExtensionNames[i]);
+        if (id == SIM_EXTENSION_COUNT)
             return XR_ERROR_EXTENSION_NOT_PRESENT;
+        instance->enabled[id] = true;
     }
     return XR_SUCCESS;
 }
@@ -246,40 +225,4 @@ XrResult XRAPI_CALL xrPathToString(XrInstance handle, XrPath path, uint32_t capa
         return XR_ERROR_HANDLE_INVALID;
     const char *text = sim_path_text(&instance->paths, path);
     return text ? sim_two_call_text(capacity, count, text, buffer) : XR_ERROR_PATH_INVALID;
-}
-
-XrResult XRAPI_CALL xrConvertTimespecTimeToTimeKHR(XrInstance handle,
-                                                   const struct timespec *timespec, XrTime *time) {
-    SIM_LOCKED;
-    struct sim_instance *instance = sim_instance_get(handle);
-    if (!instance)
-        return XR_ERROR_HANDLE_INVALID;
-    if (!timespec || !time)
-        return XR_ERROR_VALIDATION_FAILURE;
-    int64_t ns;
-    if (timespec->tv_nsec < 0 || timespec->tv_nsec > 999999999 ||
-        __builtin_mul_overflow((int64_t)timespec->tv_sec, (int64_t)1000000000, &ns))
-        return XR_ERROR_TIME_INVALID;
-    ns = ns - instance->epoch_ns + timespec->tv_nsec + SIM_FIRST_TIME_NS;
-    if (ns <= 0)
-        return XR_ERROR_TIME_INVALID;
-    *time = ns;
-    return XR_SUCCESS;
-}
-
-XrResult XRAPI_CALL xrConvertTimeToTimespecTimeKHR(XrInstance handle, XrTime time,
-                                                   struct timespec *timespec) {
-    SIM_LOCKED;
-    struct sim_instance *instance = sim_instance_get(handle);
-    if (!instance)
-        return XR_ERROR_HANDLE_INVALID;
-    if (!timespec)
-        return XR_ERROR_VALIDATION_FAILURE;
-    int64_t ns;
-    if (time <= 0 || __builtin_add_overflow(time, instance->epoch_ns - SIM_FIRST_TIME_NS, &ns) ||
-        ns < 0)
-        return XR_ERROR_TIME_INVALID;
-    timespec->tv_sec = ns / 1000000000;
-    timespec->tv_nsec = ns % 1000000000;
-    return XR_SUCCESS;
 }

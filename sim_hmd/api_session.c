@@ -126,9 +126,10 @@ XrResult XRAPI_CALL xrCreateSession(XrInstance handle, const XrSessionCreateInfo
     if (info->systemId != SIM_SYSTEM_ID)
         return XR_ERROR_SYSTEM_INVALID;
     const XrGraphicsBindingVulkanKHR *binding = find_binding(info);
-    if (!binding && !instance->headless)
+    if (!binding && !instance->enabled[SIM_MND_headless])
         return XR_ERROR_GRAPHICS_DEVICE_INVALID;
-    if (binding && !instance->vulkan_enable && !instance->vulkan_enable2)
+    if (binding && !instance->enabled[SIM_KHR_vulkan_enable] &&
+        !instance->enabled[SIM_KHR_vulkan_enable2])
         return XR_ERROR_GRAPHICS_DEVICE_INVALID;
     if (binding && !instance->requirements_called)
         return XR_ERROR_GRAPHICS_REQUIREMENTS_CALL_MISSING;

@@ -184,3 +184,19 @@ XrResult XRAPI_CALL xrCreateVulkanDeviceKHR(XrInstance handle,
                                 info->vulkanAllocator, device);
     return XR_SUCCESS;
 }
+
+const struct sim_function sim_functions_KHR_vulkan_enable[] = {
+    SIM_FUNCTION(xrGetVulkanInstanceExtensionsKHR),
+    SIM_FUNCTION(xrGetVulkanDeviceExtensionsKHR),
+    SIM_FUNCTION(xrGetVulkanGraphicsDeviceKHR),
+    SIM_FUNCTION(xrGetVulkanGraphicsRequirementsKHR),
+    {0},
+};
+
+const struct sim_function sim_functions_KHR_vulkan_enable2[] = {
+    SIM_FUNCTION(xrCreateVulkanInstanceKHR),
+    SIM_FUNCTION(xrCreateVulkanDeviceKHR),
+    SIM_FUNCTION(xrGetVulkanGraphicsDevice2KHR),
+    SIM_FUNCTION(xrGetVulkanGraphicsRequirements2KHR),
+    {0},
+};

@@ -25,8 +25,9 @@ XrResult XRAPI_CALL xrNegotiateLoaderRuntimeInterface(const struct sim_loader_in
 }
 
 // When a function may be asked for.
-enum when { ALWAYS, INSTANCE, VULKAN, VULKAN2, TIMESPEC };
+enum when { ALWAYS, INSTANCE };
 
+// The core; extensions bring their own lists (extensions.h).
 struct entry {
     const char *name;
     PFN_xrVoidFunction function;
@@ -92,32 +93,14 @@ static const struct entry entries[] = {
     ENTRY(xrGetInputSourceLocalizedName, INSTANCE),
     ENTRY(xrApplyHapticFeedback, INSTANCE),
     ENTRY(xrStopHapticFeedback, INSTANCE),
-    ENTRY(xrGetVulkanInstanceExtensionsKHR, VULKAN),
-    ENTRY(xrGetVulkanDeviceExtensionsKHR, VULKAN),
-    ENTRY(xrGetVulkanGraphicsDeviceKHR, VULKAN),
-    ENTRY(xrGetVulkanGraphicsRequirementsKHR, VULKAN),
-    ENTRY(xrCreateVulkanInstanceKHR, VULKAN2),
-    ENTRY(xrCreateVulkanDeviceKHR, VULKAN2),
-    ENTRY(xrGetVulkanGraphicsDevice2KHR, VULKAN2),
-    ENTRY(xrGetVulkanGraphicsRequirements2KHR, VULKAN2),
-    ENTRY(xrConvertTimespecTimeToTimeKHR, TIMESPEC),
-    ENTRY(xrConvertTimeToTimespecTimeKHR, TIMESPEC),
 };
 
-static bool enabled(const struct sim_instance *instance, enum when when) {
-    switch (when) {
-    case ALWAYS:
-        return true;
-    case INSTANCE:
-        return instance != NULL;
-    case VULKAN:
-        return instance && instance->vulkan_enable;
-    case VULKAN2:
-        return instance && instance->vulkan_enable2;
-    case TIMESPEC:
-        return instance && instance->timespec;
-    }
-    return false;
+// NULL: no such function, or none that may be asked for yet.
+static PFN_xrVoidFunction find(const struct sim_instance *instance, const char *name) {
+    for (size_t i = 0; i < sizeof entries / sizeof *entries; i++)
+        if (strcmp(entries[i].name, name) == 0)
+            return instance || entries[i].when == ALWAYS ? entries[i].function : NULL;
+    return instance ? sim_extension_function(instance->enabled, name) : NULL;
 }
 
 XrResult XRAPI_CALL xrGetInstanceProcAddr(XrInstance handle, const char *name,
@@ -129,13 +112,8 @@ XrResult XRAPI_CALL xrGetInstanceProcAddr(XrInstance handle, const char *name,
     const struct sim_instance *instance = sim_instance_get(handle);
     if (handle && !instance)
         return XR_ERROR_HANDLE_INVALID;
-    for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
-        if (strcmp(entries[i].name, name) != 0)
-            continue;
-        if (!enabled(instance, entries[i].when))
-            return instance ? XR_ERROR_FUNCTION_UNSUPPORTED : XR_ERROR_HANDLE_INVALID;
-        *function = entries[i].function;
+    *function = find(instance, name);
+    if (*function)
         return XR_SUCCESS;
-    }
     return instance ? XR_ERROR_FUNCTION_UNSUPPORTED : XR_ERROR_HANDLE_INVALID;
 }

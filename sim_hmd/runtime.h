@@ -12,6 +12,7 @@
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
+#include "sim_hmd/extensions.h"
 #include "sim_hmd/frame.h"
 #include "sim_hmd/handles.h"
 #include "sim_hmd/pacer.h"
@@ -48,7 +49,7 @@ struct sim_instance {
     struct sim_settings settings;
     struct sim_source *source;
     int64_t epoch_ns;
-    bool vulkan_enable, vulkan_enable2, timespec, headless;
+    bool enabled[SIM_EXTENSION_COUNT];
     bool requirements_called;
     struct sim_paths paths;
     struct sim_events events;
