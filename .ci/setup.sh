@@ -1,4 +1,4 @@
-# Sourced by check and demo: installs the Debian packages that are missing (root, or sudo).
+# Sourced by check and demo (its own variables begin with setup_): installs the Debian packages that are missing (root, or sudo).
 
 build_packages='gcc libc6-dev meson ninja-build pkg-config glslang-tools libvulkan-dev
 	libopenxr-dev libopenxr-loader1 libglfw3-dev libpng-dev libassimp-dev libjansson-dev
@@ -8,28 +8,28 @@ check_packages='clang libcmocka-dev libmpfr-dev vulkan-validationlayers libopenx
 
 # setup_packages demo|check
 setup_packages() {
-	wanted=$build_packages
-	[ "$1" = demo ] || wanted="$wanted $check_packages"
-	missing=
-	for p in $wanted; do
-		dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || missing="$missing $p"
+	setup_wanted=$build_packages
+	[ "$1" = demo ] || setup_wanted="$setup_wanted $check_packages"
+	setup_missing=
+	for p in $setup_wanted; do
+		dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || setup_missing="$setup_missing $p"
 	done
-	[ -n "$missing" ] || return 0
-	as_root=
+	[ -n "$setup_missing" ] || return 0
+	setup_as_root=
 	if [ "$(id -u)" != 0 ]; then
 		if ! command -v sudo >/dev/null; then
-			echo "these packages are missing; install them as root:$missing" >&2
+			echo "these packages are missing; install them as root:$setup_missing" >&2
 			exit 4
 		fi
-		as_root=sudo
+		setup_as_root=sudo
 	fi
-	echo "== installing:$missing"
-	log=$(mktemp)
-	if ! { $as_root apt-get update -q && $as_root env DEBIAN_FRONTEND=noninteractive \
-		apt-get install -y -q --no-install-recommends $missing; } >"$log" 2>&1; then
-		tail -n 5 "$log" >&2
+	echo "== installing:$setup_missing"
+	setup_log=$(mktemp)
+	if ! { $setup_as_root apt-get update -q && $setup_as_root env DEBIAN_FRONTEND=noninteractive \
+		apt-get install -y -q --no-install-recommends $setup_missing; } >"$setup_log" 2>&1; then
+		tail -n 5 "$setup_log" >&2
 		echo "the packages could not be installed (apt-get's last words stand above)" >&2
 		exit 4
 	fi
-	rm -f "$log"
+	rm -f "$setup_log"
 }

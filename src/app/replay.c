@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "src/app/command.h"
+#include "src/app/logs.h"
 #include "src/app/page.h"
 #include "src/app/progress.h"
 #include "src/app/runtime.h"
@@ -26,9 +27,10 @@ static const char help[] =
 
 struct options {
     struct ap_room_options room;
-    const char *headset, *frames, *dir, *table_at, *up, *head_frame;
+    struct ap_log_options logs;
+    const char *headset, *frames, *dir;
     double pictures; // NAN: as --frames says
-    bool force, stats, skip_bad;
+    bool force, stats;
 };
 
 static enum ap_status check_dir(struct ap_error *err, const struct options *o) {
@@ -76,29 +78,14 @@ static void clear_dir(const char *dir) {
     closedir(d);
 }
 
-static enum ap_status read_timeline(struct ap_error *err, const struct options *o,
-                                    const char *const *logs, int count,
-                                    struct ap_timeline **timeline) {
-    struct ap_poselog_params params = {.sources = logs,
-                                       .source_count = (size_t)count,
-                                       .z_up = strcmp(o->up, "z") == 0,
-                                       .head_frame = strcmp(o->head_frame, "optical") == 0
-                                                         ? AP_HEAD_FRAME_OPTICAL
-                                                         : AP_HEAD_FRAME_HEAD,
-                                       .skip_bad = o->skip_bad,
-                                       .has_table = o->table_at != NULL};
-    enum ap_status st = AP_OK;
-    if (o->table_at)
-        st = ap_table_at_parse(err, o->table_at, &params.table_x_m, &params.table_z_m,
-                               &params.table_yaw_rad);
+static enum ap_status read_timeline(struct ap_error *err, const struct ap_log_options *options,
+                                    char *const *logs, int count, struct ap_timeline **timeline) {
     struct ap_poselog *log;
-    if (!st)
-        st = ap_poselog_open(err, &params, &log);
+    enum ap_status st = ap_logs_open(err, options, logs, count, &log);
     if (st)
         return st;
     st = ap_timeline_load(err, log, timeline);
-    if (ap_poselog_skipped(log) > 0)
-        ap_log(AP_LOG_WARNING, "%lld bad lines were skipped", (long long)ap_poselog_skipped(log));
+    ap_logs_warn_skipped(log);
     ap_poselog_close(log);
     return st;
 }
@@ -231,7 +218,7 @@ static enum ap_status open_replay(struct ap_error *err, const struct options *o,
     if (!st)
         st = ap_room_open(err, &o->room, &replay->room);
     if (!st)
-        st = read_timeline(err, o, (const char *const *)logs, log_count, &replay->timeline);
+        st = read_timeline(err, &o->logs, logs, log_count, &replay->timeline);
     if (st)
         return st;
     replay->frame_count = ap_timeline_frame_count(replay->timeline, replay->headset.refresh_hz);
@@ -242,9 +229,8 @@ static enum ap_status open_replay(struct ap_error *err, const struct options *o,
 static enum ap_status run(struct ap_error *err, int argc, char **argv) {
     struct options o = {.room = AP_ROOM_OPTIONS_NONE,
                         .pictures = NAN,
-                        .dir = "antipode-out",
-                        .up = "y",
-                        .head_frame = "head"};
+                        .logs = AP_LOG_OPTIONS_NONE,
+                        .dir = "antipode-out"};
     const struct ap_option options[] = {
         AP_ROOM_OPTION_TABLE(o.room),
         {"headset", AP_OPTION_TEXT, &o.headset, "FILE", "headset profile (default: standard)"},
@@ -252,11 +238,7 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         {"pictures", AP_OPTION_NUMBER, &o.pictures, "N", "instead: about N, evenly over the log"},
         {"out", AP_OPTION_TEXT, &o.dir, "DIR", "where to write (antipode-out)"},
         {"force", AP_OPTION_FLAG, &o.force, "", "replace a capture in DIR"},
-        {"table-at", AP_OPTION_TEXT, &o.table_at, "X,Z,YAW",
-         "where the table stands in the log's room"},
-        {"up", AP_OPTION_CHOICE, &o.up, "y|z", "which way is up in the log"},
-        {"head-frame", AP_OPTION_CHOICE, &o.head_frame, "head|optical", "axes of the log's head"},
-        {"skip-bad", AP_OPTION_FLAG, &o.skip_bad, "", "drop and count bad lines"},
+        AP_LOG_OPTION_TABLE(o.logs),
         {"stats", AP_OPTION_FLAG, &o.stats, "", "say what was drawn, skipped and how long it took"},
     };
     const struct ap_usage usage = {.command = "replay",

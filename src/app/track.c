@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "src/app/command.h"
+#include "src/app/logs.h"
 #include "src/base/log.h"
 #include "src/device/poselog.h"
 #include "src/track/setup.h"
@@ -24,9 +25,9 @@ static const char help[] =
     "Exit statuses: 0; 2 usage; 3 a log that cannot be read; 4 the output cannot be written.";
 
 struct options {
-    const char *space, *tracker, *table_at, *up, *head_frame;
+    const char *space, *tracker;
     double radius_m, table_edge_m, table_height_m;
-    bool skip_bad;
+    struct ap_log_options logs;
 };
 
 static enum ap_status parse(struct ap_error *err, int argc, char **argv, struct options *o,
@@ -40,12 +41,7 @@ static enum ap_status parse(struct ap_error *err, int argc, char **argv, struct 
          "edge of the physical and the virtual table (0.9)"},
         {"table-height", AP_OPTION_NUMBER, &o->table_height_m, "M",
          "the table's surface above the floor (0.75)"},
-        {"table-at", AP_OPTION_TEXT, &o->table_at, "X,Z,YAW",
-         "where the table stands in the log's room, and its turn in radians (0,0,0)"},
-        {"up", AP_OPTION_CHOICE, &o->up, "y|z", "the log's upward axis (y)"},
-        {"head-frame", AP_OPTION_CHOICE, &o->head_frame, "head|optical",
-         "optical: the head's poses are a camera's (x right, y down, z forward)"},
-        {"skip-bad", AP_OPTION_FLAG, &o->skip_bad, NULL, "drop and count bad lines"},
+        AP_LOG_OPTION_TABLE(o->logs),
     };
     const struct ap_usage usage = {.command = "track",
                                    .operands = "LOG…",
@@ -70,23 +66,6 @@ static enum ap_status open_tracker(struct ap_error *err, const struct options *o
     return st ? st : ap_tracker_create(err, &params, tracker);
 }
 
-static enum ap_status open_log(struct ap_error *err, const struct options *o, char **logs,
-                               int count, struct ap_poselog **log) {
-    struct ap_poselog_params params = {.sources = (const char *const *)logs,
-                                       .source_count = (size_t)count,
-                                       .z_up = strcmp(o->up, "z") == 0,
-                                       .head_frame = strcmp(o->head_frame, "optical") == 0
-                                                         ? AP_HEAD_FRAME_OPTICAL
-                                                         : AP_HEAD_FRAME_HEAD,
-                                       .skip_bad = o->skip_bad,
-                                       .has_table = o->table_at != NULL};
-    enum ap_status st = AP_OK;
-    if (o->table_at)
-        st = ap_table_at_parse(err, o->table_at, &params.table_x_m, &params.table_z_m,
-                               &params.table_yaw_rad);
-    return st ? st : ap_poselog_open(err, &params, log);
-}
-
 static enum ap_status write_failed(struct ap_error *err) {
     return ap_fail(err, AP_ENVIRONMENT, "cannot write to standard output: %s", strerror(errno));
 }
@@ -100,12 +79,11 @@ static enum ap_status write_header(struct ap_error *err) {
 
 static enum ap_status write_row(struct ap_error *err, int64_t t_ns, const char *device,
                                 const struct ap_iso *m) {
-    char head[128], numbers[AP_ISO_TEXT_MAX + 1];
-    int n = snprintf(head, sizeof head, "%" PRId64 ",%.64s,", t_ns, device);
+    char numbers[AP_ISO_TEXT_MAX + 1];
     size_t len = ap_iso_text(numbers, m);
     numbers[len++] = '\n';
     bool written =
-        fwrite(head, 1, (size_t)n, stdout) == (size_t)n && fwrite(numbers, 1, len, stdout) == len;
+        printf("%" PRId64 ",%s,", t_ns, device) > 0 && fwrite(numbers, 1, len, stdout) == len;
     return written ? AP_OK : write_failed(err);
 }
 
@@ -132,7 +110,7 @@ static enum ap_status write_rows(struct ap_error *err, struct ap_poselog *log,
 }
 
 static void warn(const struct ap_poselog *log, const struct ap_tracker *tracker) {
-    int64_t dropped = ap_tracker_dropped(tracker), skipped = ap_poselog_skipped(log);
+    int64_t dropped = ap_tracker_dropped(tracker);
     bool has_head = false;
     for (int i = 0; i < ap_poselog_device_count(log); i++)
         has_head = has_head || strcmp(ap_poselog_device_name(log, i), "head") == 0;
@@ -141,16 +119,13 @@ static void warn(const struct ap_poselog *log, const struct ap_tracker *tracker)
                "track: %" PRId64 " hand sample%s before the head's first gave no row%s", dropped,
                dropped == 1 ? "" : "s",
                has_head ? "" : "; the logs have no device 'head' (head=FILE names it)");
-    if (skipped > 0)
-        ap_log(AP_LOG_WARNING, "track: %" PRId64 " bad line%s skipped", skipped,
-               skipped == 1 ? " was" : "s were");
+    ap_logs_warn_skipped(log);
 }
 
 static enum ap_status run_track(struct ap_error *err, int argc, char **argv) {
     struct options o = {.space = "h3",
                         .tracker = "billiards",
-                        .up = "y",
-                        .head_frame = "head",
+                        .logs = AP_LOG_OPTIONS_NONE,
                         .radius_m = NAN,
                         .table_edge_m = NAN,
                         .table_height_m = AP_TABLE_HEIGHT_DEFAULT_MM / 1000.0};
@@ -163,7 +138,7 @@ static enum ap_status run_track(struct ap_error *err, int argc, char **argv) {
         return st;
     st = open_tracker(err, &o, &tracker);
     if (!st)
-        st = open_log(err, &o, argv + 1, count, &log);
+        st = ap_logs_open(err, &o.logs, argv + 1, count, &log);
     if (st)
         goto out;
     st = write_rows(err, log, tracker);
