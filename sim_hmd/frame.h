@@ -18,7 +18,16 @@
 
 enum { SIM_MAX_LAYERS = 16 };
 
-// One eye's part of a projection layer. The image is released by the program, so it is in
+// What a layer is, in its own space (x right, y up, the middle of its picture at −z).
+enum sim_layer_kind {
+    SIM_LAYER_PROJECTION,
+    SIM_LAYER_QUAD,     // in the plane z = 0, seen from +z only
+    SIM_LAYER_CYLINDER, // about the y axis, seen from inside only
+    SIM_LAYER_EQUIRECT, // both kinds: a part of a sphere, seen from inside only
+    SIM_LAYER_CUBE,     // a cube map, infinitely far
+};
+
+// One eye's picture of a layer. The image is released by the program, so it is in
 // VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL and must be in it again afterwards; its usage includes
 // TRANSFER_SRC and SAMPLED. The queue's earlier submissions write it: a submission on the same
 // queue with a barrier sees them.
@@ -27,20 +36,29 @@ struct sim_layer_view {
     VkFormat format;
     uint32_t width_px, height_px; // of the whole image
     uint32_t samples;             // 1, 2, 4…
-    uint32_t array_layer;
-    XrRect2Di rect;                 // inside the image
-    struct ap_pose stage_from_view; // as submitted, resolved into STAGE
-    XrPosef submitted_pose;         // as submitted, in its own space
-    XrFovf fov;
+    uint32_t array_layer;         // a cube's first of six
+    XrRect2Di rect;               // inside the image; a cube's whole face
+    // The layer's own space in STAGE: a projection's view, the pose of any other layer.
+    struct ap_pose stage_from_view;
+    XrPosef submitted_pose; // as submitted, in its own space
+    XrFovf fov;             // a projection's
     // The pose is the display's pose of that eye to float rounding and the fov is its very floats:
     // with a rect of the eye's resolution the picture is copied bit for bit.
     bool at_display;
 };
 
 struct sim_layer {
+    enum sim_layer_kind kind;
     bool blend_alpha;     // XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT
     bool unpremultiplied; // XR_COMPOSITION_LAYER_UNPREMULTIPLIED_ALPHA_BIT
+    bool hidden[2];       // not for this eye, or its space has no place now
+    // All but a projection have one picture: both eyes' views are the same.
     struct sim_layer_view view[2];
+    double width_m, height_m; // a quad's
+    double radius_m;          // a cylinder's and a sphere's; 0: infinitely far
+    // The picture spans this angle about −z from its left to its right; up, a cylinder's runs from
+    // its middle height/2 radii, a sphere's from the lower angle to the upper.
+    double central_rad, height_radii, upper_rad, lower_rad;
 };
 
 struct sim_frame {
