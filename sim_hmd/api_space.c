@@ -2,10 +2,16 @@
 
 #include "sim_hmd/runtime.h"
 
-// Spaces. Reference spaces VIEW, LOCAL and STAGE; the spaces of pose actions.
+// Spaces. Reference spaces VIEW, LOCAL, STAGE and LOCAL_FLOOR; the spaces of pose actions.
 
+// LOCAL_FLOOR, the last, only with its extension.
 static const XrReferenceSpaceType reference_spaces[] = {
-    XR_REFERENCE_SPACE_TYPE_VIEW, XR_REFERENCE_SPACE_TYPE_LOCAL, XR_REFERENCE_SPACE_TYPE_STAGE};
+    XR_REFERENCE_SPACE_TYPE_VIEW, XR_REFERENCE_SPACE_TYPE_LOCAL, XR_REFERENCE_SPACE_TYPE_STAGE,
+    XR_REFERENCE_SPACE_TYPE_LOCAL_FLOOR_EXT};
+
+static uint32_t reference_space_count(const struct sim_session *session) {
+    return session->instance->enabled[SIM_EXT_local_floor] ? 4 : 3;
+}
 
 // What the walk and the window's person have: a room of 4 m by 4 m. A recording says nothing of it.
 static const XrExtent2Df stage_bounds = {4.0f, 4.0f};
@@ -24,11 +30,12 @@ XrResult XRAPI_CALL xrEnumerateReferenceSpaces(XrSession handle, uint32_t capaci
     XrResult result = sim_session_get(handle, &session);
     if (result != XR_SUCCESS)
         return result;
-    return sim_two_calls(capacity, count, 3, reference_spaces, sizeof *spaces, spaces);
+    return sim_two_calls(capacity, count, reference_space_count(session), reference_spaces,
+                         sizeof *spaces, spaces);
 }
 
-static XrResult check_reference(XrReferenceSpaceType type) {
-    for (int i = 0; i < 3; i++)
+static XrResult check_reference(const struct sim_session *session, XrReferenceSpaceType type) {
+    for (uint32_t i = 0; i < reference_space_count(session); i++)
         if (type == reference_spaces[i])
             return XR_SUCCESS;
     return XR_ERROR_REFERENCE_SPACE_UNSUPPORTED;
@@ -43,7 +50,7 @@ XrResult XRAPI_CALL xrGetReferenceSpaceBoundsRect(XrSession handle, XrReferenceS
         return result;
     if (!bounds)
         return XR_ERROR_VALIDATION_FAILURE;
-    result = check_reference(type);
+    result = check_reference(session, type);
     if (result != XR_SUCCESS)
         return result;
     bool known = type == XR_REFERENCE_SPACE_TYPE_STAGE &&
@@ -79,7 +86,7 @@ XrResult XRAPI_CALL xrCreateReferenceSpace(XrSession handle, const XrReferenceSp
         return result;
     if (!sim_is(info, XR_TYPE_REFERENCE_SPACE_CREATE_INFO) || !out)
         return XR_ERROR_VALIDATION_FAILURE;
-    result = check_reference(info->referenceSpaceType);
+    result = check_reference(session, info->referenceSpaceType);
     if (result != XR_SUCCESS)
         return result;
     struct sim_space space = {.reference = info->referenceSpaceType, .top = -1};

@@ -62,6 +62,25 @@ static uint32_t most_mips(uint32_t width, uint32_t height) {
     return mips;
 }
 
+// XR_KHR_vulkan_swapchain_format_list. The list only lets a device lay images out better; they are
+// made without it, for the program's device need not have VK_KHR_image_format_list.
+static XrResult check_format_list(const struct sim_session *session,
+                                  const XrSwapchainCreateInfo *info) {
+    const XrVulkanSwapchainFormatListCreateInfoKHR *list =
+        sim_chained(info, XR_TYPE_VULKAN_SWAPCHAIN_FORMAT_LIST_CREATE_INFO_KHR);
+    if (!list || !session->instance->enabled[SIM_KHR_vulkan_swapchain_format_list])
+        return XR_SUCCESS;
+    if (list->viewFormatCount && !list->viewFormats)
+        return XR_ERROR_VALIDATION_FAILURE;
+    // As Vulkan says of VkImageFormatListCreateInfo.
+    if (list->viewFormatCount > 1 && !(info->usageFlags & XR_SWAPCHAIN_USAGE_MUTABLE_FORMAT_BIT))
+        return XR_ERROR_VALIDATION_FAILURE;
+    for (uint32_t i = 0; i < list->viewFormatCount; i++)
+        if (list->viewFormats[i] == VK_FORMAT_UNDEFINED)
+            return XR_ERROR_VALIDATION_FAILURE;
+    return XR_SUCCESS;
+}
+
 static XrResult check_info(const struct sim_session *session, const XrSwapchainCreateInfo *info) {
     if (!sim_is(info, XR_TYPE_SWAPCHAIN_CREATE_INFO) || info->createFlags & ~known_flags ||
         info->usageFlags & ~known_usage)
@@ -161,6 +180,8 @@ XrResult XRAPI_CALL xrCreateSwapchain(XrSession handle, const XrSwapchainCreateI
     XrResult result = sim_session_get(handle, &session);
     if (result == XR_SUCCESS)
         result = check_info(session, info);
+    if (result == XR_SUCCESS)
+        result = check_format_list(session, info);
     if (result != XR_SUCCESS)
         return result;
     if (!out)

@@ -1,3 +1,4 @@
+#include <float.h>
 #include <stdio.h>
 
 #include "sim_hmd/runtime.h"
@@ -99,6 +100,18 @@ XrResult XRAPI_CALL xrGetViewConfigurationProperties(XrInstance handle, XrSystem
     return XR_SUCCESS;
 }
 
+// What a program may take for its near and far planes: nothing here depends on it.
+static void fill_depth_range(const struct sim_instance *instance, XrViewConfigurationView *view) {
+    XrViewConfigurationDepthRangeEXT *range =
+        sim_chained(view, XR_TYPE_VIEW_CONFIGURATION_DEPTH_RANGE_EXT);
+    if (!range || !instance->enabled[SIM_EXT_view_configuration_depth_range])
+        return;
+    range->recommendedNearZ = 0.1f;
+    range->minNearZ = 0.01f;
+    range->recommendedFarZ = 1000.0f;
+    range->maxFarZ = FLT_MAX;
+}
+
 XrResult XRAPI_CALL xrEnumerateViewConfigurationViews(XrInstance handle, XrSystemId system,
                                                       XrViewConfigurationType type,
                                                       uint32_t capacity, uint32_t *count,
@@ -125,6 +138,7 @@ XrResult XRAPI_CALL xrEnumerateViewConfigurationViews(XrInstance handle, XrSyste
         views[i].maxImageRectHeight = MAX_IMAGE_PX;
         views[i].recommendedSwapchainSampleCount = 1;
         views[i].maxSwapchainSampleCount = MAX_SAMPLES;
+        fill_depth_range(instance, &views[i]);
     }
     return XR_SUCCESS;
 }

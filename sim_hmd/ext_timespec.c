@@ -12,10 +12,9 @@ XrResult XRAPI_CALL xrConvertTimespecTimeToTimeKHR(XrInstance handle,
         return XR_ERROR_VALIDATION_FAILURE;
     int64_t ns;
     if (timespec->tv_nsec < 0 || timespec->tv_nsec > 999999999 ||
-        __builtin_mul_overflow((int64_t)timespec->tv_sec, (int64_t)1000000000, &ns))
-        return XR_ERROR_TIME_INVALID;
-    ns = ns - instance->epoch_ns + timespec->tv_nsec + SIM_FIRST_TIME_NS;
-    if (ns <= 0)
+        __builtin_mul_overflow((int64_t)timespec->tv_sec, (int64_t)1000000000, &ns) ||
+        __builtin_add_overflow(ns, timespec->tv_nsec, &ns) ||
+        __builtin_sub_overflow(ns, instance->epoch_ns - SIM_FIRST_TIME_NS, &ns) || ns <= 0)
         return XR_ERROR_TIME_INVALID;
     *time = ns;
     return XR_SUCCESS;

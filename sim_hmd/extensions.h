@@ -19,12 +19,17 @@
 // Whatever else it changes asks instance->enabled[SIM_EXT_x]. docs/extensions.md says more.
 
 // Without functions: new structures, values or paths only.
-#define SIM_PLAIN_EXTENSIONS(X) X(MND_headless)
+#define SIM_PLAIN_EXTENSIONS(X)                                                                    \
+    X(MND_headless)                                                                                \
+    X(KHR_vulkan_swapchain_format_list)                                                            \
+    X(EXT_view_configuration_depth_range)                                                          \
+    X(EXT_local_floor)
 
 #define SIM_FUNCTION_EXTENSIONS(X)                                                                 \
     X(KHR_vulkan_enable2)                                                                          \
     X(KHR_vulkan_enable)                                                                           \
-    X(KHR_convert_timespec_time)
+    X(KHR_convert_timespec_time)                                                                   \
+    X(FB_display_refresh_rate)
 
 #define SIM_EXTENSION_ID(name) SIM_##name,
 enum sim_extension_id {

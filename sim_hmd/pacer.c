@@ -10,6 +10,15 @@ void sim_pacer_init(struct sim_pacer *pacer, enum sim_clock clock, double refres
         .clock = clock, .refresh_hz = refresh_hz, .epoch_ns = epoch_ns, .grid = -1};
 }
 
+void sim_pacer_set_rate(struct sim_pacer *pacer, double refresh_hz) {
+    pacer->refresh_hz = refresh_hz;
+    if (!pacer->count)
+        return;
+    pacer->first_ns = pacer->last_ns;
+    pacer->base = pacer->count - 1;
+    pacer->grid = 0;
+}
+
 int64_t sim_pacer_now(const struct sim_pacer *pacer, int64_t machine_ns) {
     if (pacer->clock == SIM_CLOCK_VIRTUAL)
         return pacer->last_ns ? pacer->last_ns : SIM_FIRST_TIME_NS;
@@ -28,8 +37,9 @@ struct sim_prediction sim_pacer_next(struct sim_pacer *pacer, int64_t machine_ns
     struct sim_prediction p = {
         .index = pacer->count++, .period_ns = period, .wake_machine_ns = INT64_MIN};
     if (pacer->clock == SIM_CLOCK_VIRTUAL) {
-        pacer->first_ns = SIM_FIRST_TIME_NS;
-        p.display_ns = ap_frame_time_ns(SIM_FIRST_TIME_NS, p.index, pacer->refresh_hz);
+        if (!pacer->first_ns)
+            pacer->first_ns = SIM_FIRST_TIME_NS;
+        p.display_ns = ap_frame_time_ns(pacer->first_ns, p.index - pacer->base, pacer->refresh_hz);
     } else {
         int64_t now = sim_pacer_now(pacer, machine_ns);
         if (!pacer->first_ns)

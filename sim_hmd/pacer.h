@@ -9,7 +9,7 @@
 // shown at 1e9 + round(k·1e9/Hz), whatever the machine's clock says. On the real clock XrTime is
 // the machine's monotonic time less what it was when the instance was made, plus 1e9; frames stand
 // on a grid of the headset's period from the session's first one, and a program that is late skips
-// some.
+// some. A change of the rate starts both anew at the last frame.
 
 enum { SIM_FIRST_TIME_NS = 1000000000 };
 
@@ -17,7 +17,8 @@ struct sim_pacer {
     enum sim_clock clock;
     double refresh_hz;
     int64_t epoch_ns; // the machine's time at XrTime 1e9 (real clock)
-    int64_t first_ns; // XrTime of the first frame, 0 before it
+    int64_t first_ns; // XrTime of place 0 of the grid, 0 before the first frame
+    int64_t base;     // virtual clock: the frame that is shown at place 0
     int64_t count;    // frames predicted so far
     int64_t grid;     // the last frame's number on the grid
     int64_t last_ns;  // XrTime of the last predicted frame, 0 before the first
@@ -32,6 +33,9 @@ struct sim_prediction {
 
 void sim_pacer_init(struct sim_pacer *pacer, enum sim_clock clock, double refresh_hz,
                     int64_t epoch_ns);
+
+// The frames after the last predicted one stand on a new grid from it.
+void sim_pacer_set_rate(struct sim_pacer *pacer, double refresh_hz);
 
 // XrTime at the machine's time; on the virtual clock the last predicted frame's.
 int64_t sim_pacer_now(const struct sim_pacer *pacer, int64_t machine_ns);

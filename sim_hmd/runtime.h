@@ -148,6 +148,16 @@ static inline bool sim_is(const void *structure, XrStructureType type) {
     return structure && ((const XrBaseInStructure *)structure)->type == type;
 }
 
+// The structure of this type in the chain behind the caller's own; NULL: none. A chain that bites its
+// tail is not followed for ever.
+static inline void *sim_chained(const void *structure, XrStructureType type) {
+    const XrBaseInStructure *s = ((const XrBaseInStructure *)structure)->next;
+    for (int i = 0; s && i < 64; i++, s = s->next)
+        if (s->type == type)
+            return (void *)(uintptr_t)s;
+    return NULL;
+}
+
 struct sim_instance *sim_instance_get(XrInstance handle);
 // XR_ERROR_HANDLE_INVALID, or XR_ERROR_SESSION_LOST.
 XrResult sim_session_get(XrSession handle, struct sim_session **session);

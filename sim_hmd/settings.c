@@ -5,9 +5,11 @@
 
 #include "src/base/file.h"
 #include "src/base/json.h"
+#include "src/device/inputlog.h"
 
-static const char *const top_keys[] = {"headset", "poses",   "clock",  "refresh_hz",
-                                       "frames",  "capture", "window", NULL};
+static const char *const top_keys[] = {"headset",          "poses",  "clock",   "refresh_hz",
+                                       "refresh_rates_hz", "frames", "capture", "window",
+                                       "inputs",           NULL};
 static const char *const log_keys[] = {"logs", "up", "head_frame", "skip_bad", "table_at", NULL};
 static const char *const script_keys[] = {"script",     "table_edge_m", "table_height_m",
                                           "duration_s", "seed",         NULL};
@@ -84,6 +86,28 @@ static enum ap_status read_log_list(struct ap_error *err, const struct ap_json_a
             return ap_json_fail(err, &at, "standard input belongs to the program; name a file");
         s->logs[s->log_count] = resolve_log(poses->parent->file, source);
         if (!s->logs[s->log_count])
+            return no_memory(err);
+    }
+    return AP_OK;
+}
+
+static enum ap_status read_inputs(struct ap_error *err, const struct ap_json_at *root,
+                                  struct sim_settings *s) {
+    struct ap_json_at inputs = ap_json_member(root, "inputs");
+    size_t count = json_array_size(inputs.value);
+    if (!json_is_array(inputs.value) || count > AP_INPUT_FILES_MAX)
+        return ap_json_fail(err, &inputs, "expected a list of at most %d input logs",
+                            AP_INPUT_FILES_MAX);
+    s->inputs = calloc(count ? count : 1, sizeof *s->inputs);
+    if (!s->inputs)
+        return no_memory(err);
+    for (; s->input_count < count; s->input_count++) {
+        struct ap_json_at at = ap_json_element(&inputs, s->input_count);
+        const char *path = json_string_value(at.value);
+        if (!path || !*path || strcmp(path, "-") == 0)
+            return ap_json_fail(err, &at, "expected a file's path");
+        s->inputs[s->input_count] = resolve_path(root->file, path);
+        if (!s->inputs[s->input_count])
             return no_memory(err);
     }
     return AP_OK;
@@ -219,6 +243,47 @@ static enum ap_status read_capture(struct ap_error *err, const struct ap_json_at
     return s->capture_dir ? AP_OK : no_memory(err);
 }
 
+static void add_rate(struct sim_settings *s, double hz) {
+    size_t at = 0;
+    while (at < s->rate_count && s->rates_hz[at] < hz)
+        at++;
+    if (s->rate_count == SIM_MAX_RATES || (at < s->rate_count && s->rates_hz[at] == hz))
+        return;
+    memmove(&s->rates_hz[at + 1], &s->rates_hz[at], (s->rate_count - at) * sizeof *s->rates_hz);
+    s->rates_hz[at] = hz;
+    s->rate_count++;
+}
+
+static enum ap_status read_rates(struct ap_error *err, const struct ap_json_at *root,
+                                 struct sim_settings *s) {
+    struct ap_json_at list = ap_json_member(root, "refresh_rates_hz");
+    size_t count = json_array_size(list.value);
+    if (count < 1 || count >= SIM_MAX_RATES)
+        return ap_json_fail(err, &list, "expected a list of 1 to %d rates", SIM_MAX_RATES - 1);
+    for (size_t i = 0; i < count; i++) {
+        struct ap_json_at at = ap_json_element(&list, i);
+        double hz = json_number_value(at.value); // 0 where it is none
+        if (!(hz > 0 && hz <= 10000))
+            return ap_json_fail(err, &at, "expected a number > 0 and at most 10000");
+        add_rate(s, hz);
+    }
+    return AP_OK;
+}
+
+// Without a list those that headsets have as a rule.
+static enum ap_status settle_rates(struct ap_error *err, const struct ap_json_at *root,
+                                   struct sim_settings *s) {
+    static const double usual[] = {60, 72, 80, 90, 120};
+    enum ap_status st = AP_OK;
+    if (root && ap_json_has(root, "refresh_rates_hz"))
+        st = read_rates(err, root, s);
+    else
+        for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
+            add_rate(s, usual[i]);
+    add_rate(s, s->profile.refresh_hz);
+    return st;
+}
+
 static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *root,
                                struct sim_settings *s) {
     bool virtual_clock = false;
@@ -232,10 +297,14 @@ static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *ro
     s->clock = virtual_clock ? SIM_CLOCK_VIRTUAL : SIM_CLOCK_REAL;
     if (!st)
         st = read_positive(err, root, "refresh_hz", 10000, &s->profile.refresh_hz);
+    if (!st)
+        st = settle_rates(err, root, s);
     if (!st && ap_json_has(root, "frames"))
         st = read_count(err, root, "frames", &s->frames);
     if (!st && ap_json_has(root, "capture"))
         st = read_capture(err, root, s);
+    if (!st && ap_json_has(root, "inputs"))
+        st = read_inputs(err, root, s);
     if (!st && ap_json_has(root, "window")) {
         bool window;
         st = ap_json_bool(err, root, "window", &window);
@@ -260,6 +329,8 @@ enum ap_status sim_settings_read(struct ap_error *err, const char *path,
             sim_settings_finish(&s);
             return st;
         }
+    } else {
+        settle_rates(err, NULL, &s);
     }
     *settings = s;
     return AP_OK;
@@ -269,6 +340,9 @@ void sim_settings_finish(struct sim_settings *settings) {
     for (size_t i = 0; i < settings->log_count; i++)
         free(settings->logs[i]);
     free(settings->logs);
+    for (size_t i = 0; i < settings->input_count; i++)
+        free(settings->inputs[i]);
+    free(settings->inputs);
     free(settings->capture_dir);
     *settings = (struct sim_settings){0};
 }

@@ -14,14 +14,19 @@
 // The simulated headset's settings: README.md's table. Read once, at xrCreateInstance.
 
 enum sim_poses { SIM_POSES_WALK, SIM_POSES_LOGS, SIM_POSES_WINDOW };
+enum { SIM_MAX_RATES = 16 };
 enum sim_clock { SIM_CLOCK_REAL, SIM_CLOCK_VIRTUAL };
 
 struct sim_settings {
     struct ap_headset_profile profile; // refresh_hz already overridden
+    double rates_hz[SIM_MAX_RATES]; // that a program may ask for, rising; the profile's is one
+    size_t rate_count;
     enum sim_poses poses;
     enum sim_clock clock;
     char **logs; // "[role=]PATH", paths made absolute or relative to the process
     size_t log_count;
+    char **inputs; // input logs
+    size_t input_count;
     bool z_up, skip_bad, has_table;
     enum ap_head_frame head_frame;
     double table_x_m, table_z_m, table_yaw_rad;

@@ -47,10 +47,32 @@ static void a_late_program_skips_places_of_the_grid(void **state) {
     }
 }
 
+static void a_new_rate_starts_at_the_last_frame(void **state) {
+    (void)state;
+    struct sim_pacer p;
+    sim_pacer_init(&p, SIM_CLOCK_VIRTUAL, 90, 0);
+    sim_pacer_set_rate(&p, 100); // before the first frame: as if made so
+    assert_int_equal(sim_pacer_next(&p, 0).display_ns, 1000000000);
+    assert_int_equal(sim_pacer_next(&p, 0).display_ns, 1010000000);
+    sim_pacer_set_rate(&p, 120);
+    struct sim_prediction f = sim_pacer_next(&p, 0);
+    assert_int_equal(f.display_ns, 1018333333);
+    assert_int_equal(f.period_ns, 8333333);
+    assert_int_equal(f.index, 2);
+    assert_int_equal(sim_pacer_next(&p, 0).display_ns, 1026666667);
+    const int64_t ms = 1000000;
+    sim_pacer_init(&p, SIM_CLOCK_REAL, 100, 0);
+    assert_int_equal(sim_pacer_next(&p, 3 * ms).display_ns, 1013 * ms);
+    sim_pacer_set_rate(&p, 50);
+    assert_int_equal(sim_pacer_next(&p, 4 * ms).display_ns, 1033 * ms);
+    assert_int_equal(sim_pacer_next(&p, 60 * ms).display_ns, 1073 * ms); // late
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(virtual_time_does_not_look_at_the_clock),
         cmocka_unit_test(a_late_program_skips_places_of_the_grid),
+        cmocka_unit_test(a_new_rate_starts_at_the_last_frame),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -57,6 +57,9 @@ static void defaults_are_the_tables(void **state) {
     assert_int_equal(s.poses, SIM_POSES_WALK);
     assert_int_equal(s.clock, SIM_CLOCK_REAL);
     assert_true(s.profile.refresh_hz == ap_headset_builtin().refresh_hz);
+    const double rates[] = {60, 72, 80, 90, 120};
+    assert_int_equal(s.rate_count, 5);
+    assert_memory_equal(s.rates_hz, rates, sizeof rates);
     assert_null(s.capture_dir);
     assert_false(s.window);
     assert_false(sim_settings_captures(&s, 0));
@@ -107,6 +110,11 @@ static void errors_name_their_place(void **state) {
     bad("{\"refresh_hz\": -90}", "/refresh_hz");
     bad("{\"refresh_hz\": 1e999}", "s.json");
     bad("{\"refresh_hz\": 1e9}", "/refresh_hz");
+    bad("{\"refresh_rates_hz\": []}", "/refresh_rates_hz");
+    bad("{\"refresh_rates_hz\": 90}", "/refresh_rates_hz");
+    bad("{\"refresh_rates_hz\": [90, \"x\"]}", "/refresh_rates_hz/1");
+    bad("{\"refresh_rates_hz\": [0]}", "/refresh_rates_hz/0");
+    bad("{\"refresh_rates_hz\": [1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16]}", "/refresh_rates_hz");
     bad("{\"frames\": 1.5}", "/frames");
     bad("{\"frames\": -1}", "/frames");
     bad("{\"window\": 1}", "/window");
