@@ -32,7 +32,22 @@ struct ap_pixels {
 enum ap_status ap_png_write_pixels(struct ap_error *err, const char *path,
                                    const struct ap_pixels *pixels);
 
+// The same with more of it: the fourth byte as alpha, as it is; a note (gAMA) that the bytes are
+// linear light and not sRGB.
+enum { AP_PNG_ALPHA = 1, AP_PNG_LINEAR = 2 };
+enum ap_status ap_png_write_pixels_as(struct ap_error *err, const char *path,
+                                      const struct ap_pixels *pixels, unsigned flags);
+
 enum ap_status ap_png_read(struct ap_error *err, const char *path, struct ap_image *image);
+
+// PAM (Netpbm's P7): a header of text, then R,G,B,A bytes, row by row; nothing is compressed.
+// linear: a comment in the header says so.
+enum ap_status ap_pam_write_pixels(struct ap_error *err, const char *path,
+                                   const struct ap_pixels *pixels, bool linear);
+
+// PNG, or PAM with RGB or RGB_ALPHA of 8 bits (alpha is dropped), by the file's first bytes.
+// AP_INPUT.
+enum ap_status ap_picture_read(struct ap_error *err, const char *path, struct ap_image *image);
 
 // sRGB byte ↔ linear light 0…1.
 double ap_linear_from_srgb(uint8_t v);

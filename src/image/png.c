@@ -18,6 +18,7 @@ struct png_job {
     FILE *stream;
     int64_t file_bytes; // −1: not known
     const struct ap_pixels *pixels;
+    unsigned flags; // AP_PNG_…
     struct ap_image image;
     char why[256];
     enum ap_status status;
@@ -49,11 +50,16 @@ static void write_rows(struct png_job *job) {
     png_set_compression_strategy(job->png, Z_DEFAULT_STRATEGY);
     png_set_compression_mem_level(job->png, 9);
     png_set_compression_buffer_size(job->png, 65536);
-    png_set_IHDR(job->png, job->info, p->width, p->height, 8, PNG_COLOR_TYPE_RGB,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    bool alpha = job->flags & AP_PNG_ALPHA;
+    png_set_IHDR(job->png, job->info, p->width, p->height, 8,
+                 alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (job->flags & AP_PNG_LINEAR)
+        png_set_gAMA(job->png, job->info, 1.0);
+    else
+        png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_write_info(job->png, job->info);
-    if (!packed)
+    if (!packed && !alpha)
         png_set_filler(job->png, 0, PNG_FILLER_AFTER);
     if (p->bgra)
         png_set_bgr(job->png);
@@ -70,9 +76,9 @@ static bool try_write(struct png_job *job) {
 }
 
 static enum ap_status write_png(struct ap_error *err, const char *path,
-                                const struct ap_pixels *pixels) {
+                                const struct ap_pixels *pixels, unsigned flags) {
     struct ap_outfile file = {0};
-    struct png_job job = {.pixels = pixels};
+    struct png_job job = {.pixels = pixels, .flags = flags};
     enum ap_status st = ap_outfile_open(err, path, &file);
     if (st)
         return st;
@@ -104,18 +110,23 @@ enum ap_status ap_png_write(struct ap_error *err, const char *path, const struct
     if (st)
         return st;
     struct ap_pixels packed = {image->rgb, image->width, image->height, 0, false};
-    return write_png(err, path, &packed);
+    return write_png(err, path, &packed, 0);
 }
 
 enum ap_status ap_png_write_pixels(struct ap_error *err, const char *path,
                                    const struct ap_pixels *pixels) {
+    return ap_png_write_pixels_as(err, path, pixels, 0);
+}
+
+enum ap_status ap_png_write_pixels_as(struct ap_error *err, const char *path,
+                                      const struct ap_pixels *pixels, unsigned flags) {
     enum ap_status st = check_size(err, path, pixels->width, pixels->height);
     if (st)
         return st;
     if (pixels->stride < (size_t)pixels->width * 4)
         return ap_fail(err, AP_INPUT, "%s: rows of %zu bytes are too short for %u pixels", path,
                        pixels->stride, pixels->width);
-    return write_png(err, path, pixels);
+    return write_png(err, path, pixels, flags);
 }
 
 // Deflate makes at most 1032 bytes of one, so a short file that promises a huge picture is refused
