@@ -63,6 +63,10 @@ static bool is_capture_file(const char *name) {
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         if (strcmp(name, names[i]) == 0)
             return true;
+    // What a killed run left: ".NAME.PID-COUNT.part".
+    size_t len = strlen(name);
+    if (name[0] == '.' && len > 5 && strcmp(name + len - 5, ".part") == 0)
+        return true;
     return is_picture(name);
 }
 

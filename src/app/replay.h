@@ -70,7 +70,8 @@ enum ap_status ap_replay_write_settings(struct ap_error *err, const struct ap_re
 enum ap_status ap_replay_write_capture(struct ap_error *err, const struct ap_replay *replay,
                                        const char *log, const char *command);
 
-// Runs the whole log through the headset. SIGINT ends it early: replay->interrupted.
+// Runs the whole log through the headset. SIGINT and SIGTERM end it early: replay->interrupted;
+// they stay caught, so that the pages can be written too.
 enum ap_status ap_replay_run(struct ap_error *err, struct ap_replay *replay);
 
 #endif

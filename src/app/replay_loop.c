@@ -16,8 +16,11 @@ static const double pose_tolerance = 1e-5;
 
 static volatile sig_atomic_t interrupt_asked;
 
-static void on_sigint(int sig) {
-    (void)sig;
+// The first asks the loop to end, and lets what is written be finished; a second one is not argued
+// with.
+static void on_interrupt(int sig) {
+    if (interrupt_asked)
+        signal(sig, SIG_DFL);
     interrupt_asked = 1;
 }
 
@@ -252,9 +255,10 @@ static void close_loop(struct loop *loop) {
 
 enum ap_status ap_replay_run(struct ap_error *err, struct ap_replay *replay) {
     struct loop loop = {.replay = replay};
-    struct sigaction act = {.sa_handler = on_sigint}, before;
+    struct sigaction act = {.sa_handler = on_interrupt};
     interrupt_asked = 0;
-    sigaction(SIGINT, &act, &before);
+    sigaction(SIGINT, &act, NULL);
+    sigaction(SIGTERM, &act, NULL);
     int64_t start = ap_clock_now_ns();
     enum ap_status st = open_loop(err, &loop);
     if (!st)
@@ -262,6 +266,5 @@ enum ap_status ap_replay_run(struct ap_error *err, struct ap_replay *replay) {
     close_loop(&loop);
     ap_progress_end();
     replay->totals.run_ms = ms_since(&start);
-    sigaction(SIGINT, &before, NULL);
     return st;
 }
