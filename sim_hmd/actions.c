@@ -17,6 +17,7 @@ void sim_actions_choose_profile(struct sim_session *session) {
                 session->profile = p;
                 break;
             }
+    sim_source_warn_unheard(instance->source, session->profile);
 }
 
 const struct sim_component *sim_actions_binding(const struct sim_session *session, uint64_t action,
@@ -53,14 +54,20 @@ static float read_value(const struct sim_component *c, bool as_button,
     }
 }
 
-// One binding into the state so far: the greatest deflection wins (OpenXR 11.5.1).
+// One binding into the state so far: the greatest deflection wins (OpenXR 11.5.1). What an input
+// log says goes before what the pose log does; NULL: it says nothing.
 static void read_binding(const struct sim_component *c, const struct sim_action *action,
-                         const struct ap_sample *hand, struct sim_action_state *now) {
+                         const struct ap_sample *hand, const float *logged,
+                         struct sim_action_state *now) {
     bool as_button = action->type == XR_ACTION_TYPE_BOOLEAN_INPUT || c->kind == SIM_BOOL;
-    float value = read_value(c, as_button, hand);
+    float x = logged ? logged[0] : read_value(c, as_button, hand), y = logged ? logged[1] : 0;
+    if (as_button)
+        x = (float)(x >= PRESSED);
     now->active = true;
-    if (fabsf(value) > fabsf(now->x))
-        now->x = value;
+    if (hypotf(x, y) > hypotf(now->x, now->y)) {
+        now->x = x;
+        now->y = y;
+    }
 }
 
 static void settle(struct sim_action_state *state, struct sim_action_state now, XrTime time) {
@@ -117,10 +124,14 @@ static void update_action(struct sim_session *session, const XrActionsSyncInfo *
             overruled(session, info, s, action->set->priority))
             continue;
         enum sim_device device = s->top == SIM_TOP_LEFT ? SIM_LEFT : SIM_RIGHT;
-        if (sim_source_at(instance->source, device, session->input_ns, &hand) == AP_POSE_NONE)
+        float value[2], *logged = NULL;
+        if (sim_source_component(instance->source, s->component, s->top, session->input_ns, value))
+            logged = value;
+        if (sim_source_at(instance->source, device, session->input_ns, &hand) == AP_POSE_NONE &&
+            !logged)
             continue;
-        read_binding(s->component, action, &hand, &now[s->top]);
-        read_binding(s->component, action, &hand, &all);
+        read_binding(s->component, action, &hand, logged, &now[s->top]);
+        read_binding(s->component, action, &hand, logged, &all);
     }
     for (int top = 0; top < SIM_TOP_COUNT; top++)
         settle(&action->state[top], now[top], session->input_ns);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "sim_hmd/pacer.h"
+#include "sim_hmd/source_inputs.h"
 #include "sim_hmd/source_window.h"
 #include "src/base/log.h"
 #include "src/device/walk.h"
@@ -24,6 +25,8 @@ struct sim_source {
     int log_device[SIM_DEVICE_COUNT];
     struct ap_walk_params walk;
     struct sim_window_player player; // window
+    struct ap_inputlog *inputs;      // NULL: none
+    bool warned_unheard;
 };
 
 static const char *const device_names[SIM_DEVICE_COUNT] = {"head", "left", "right"};
@@ -101,6 +104,25 @@ static enum ap_status load_logs(struct ap_error *err, const struct sim_settings 
     return AP_OK;
 }
 
+// Log time at an XrTime; false beyond 64 bits.
+static bool log_time(const struct sim_source *s, int64_t xr_ns, int64_t *t_ns) {
+    int64_t t0 = s->timeline ? ap_timeline_start_ns(s->timeline) : 0, ns;
+    return !__builtin_sub_overflow(xr_ns, s->first_xr_ns, &ns) &&
+           !__builtin_add_overflow(t0, ns, t_ns);
+}
+
+static enum ap_status load_inputs(struct ap_error *err, const struct sim_settings *settings,
+                                  struct sim_source *s) {
+    enum ap_status st = ap_inputlog_load(err, (const char *const *)settings->inputs,
+                                         settings->input_count, &s->inputs);
+    if (!st && s->timeline && ap_inputlog_end_ns(s->inputs) < ap_timeline_start_ns(s->timeline))
+        ap_log(AP_LOG_WARNING,
+               "%s: all of it lies before the first head pose at %lld ns; input logs have the "
+               "pose logs' clock",
+               settings->inputs[0], (long long)ap_timeline_start_ns(s->timeline));
+    return st;
+}
+
 enum ap_status sim_source_create(struct ap_error *err, const struct sim_settings *settings,
                                  struct sim_source **source) {
     struct sim_source *s = calloc(1, sizeof *s);
@@ -110,12 +132,14 @@ enum ap_status sim_source_create(struct ap_error *err, const struct sim_settings
     s->first_xr_ns = SIM_FIRST_TIME_NS;
     s->walk = settings->walk;
     sim_window_player_init(&s->player);
-    if (settings->poses == SIM_POSES_LOGS) {
-        enum ap_status st = load_logs(err, settings, s);
-        if (st) {
-            sim_source_destroy(s);
-            return st;
-        }
+    enum ap_status st = AP_OK;
+    if (settings->poses == SIM_POSES_LOGS)
+        st = load_logs(err, settings, s);
+    if (!st && settings->input_count)
+        st = load_inputs(err, settings, s);
+    if (st) {
+        sim_source_destroy(s);
+        return st;
     }
     *source = s;
     return AP_OK;
@@ -125,6 +149,7 @@ void sim_source_destroy(struct sim_source *source) {
     if (!source)
         return;
     ap_timeline_destroy(source->timeline);
+    ap_inputlog_destroy(source->inputs);
     free(source);
 }
 
@@ -138,6 +163,25 @@ enum ap_pose_state sim_source_at(const struct sim_source *source, enum sim_devic
     if (__builtin_sub_overflow(xr_ns, source->first_xr_ns, &ns))
         return AP_POSE_NONE;
     return source->backend->at(source, device, ns, sample);
+}
+
+bool sim_source_component(const struct sim_source *source, const struct sim_component *component,
+                          int top, int64_t xr_ns, float value[2]) {
+    int64_t t_ns;
+    return source->inputs && log_time(source, xr_ns, &t_ns) &&
+           sim_inputs_at(source->inputs, component, top, t_ns, value);
+}
+
+void sim_source_warn_unheard(struct sim_source *source, int profile) {
+    if (!source->inputs || profile < 0 || source->warned_unheard)
+        return;
+    source->warned_unheard = true;
+    for (int c = 0; c < ap_inputlog_channel_count(source->inputs); c++) {
+        struct ap_input_channel channel = ap_inputlog_channel(source->inputs, c);
+        if (!sim_inputs_heard(source->inputs, c, profile))
+            ap_log(AP_LOG_WARNING, "the input log's %s %s is no input of the %s", channel.device,
+                   channel.path, sim_profiles[profile].name);
+    }
 }
 
 int64_t sim_source_frame_count(const struct sim_source *source, double refresh_hz) {

@@ -4,6 +4,7 @@
 #include <stdint.h>
 
 #include "sim_hmd/frame.h"
+#include "sim_hmd/profiles.h"
 #include "sim_hmd/settings.h"
 #include "src/device/timeline.h"
 
@@ -25,6 +26,13 @@ void sim_source_start(struct sim_source *source, int64_t first_xr_ns);
 
 enum ap_pose_state sim_source_at(const struct sim_source *source, enum sim_device device,
                                  int64_t xr_ns, struct ap_sample *sample);
+
+// What the input logs say of a component at a time; false where they say nothing (yet).
+bool sim_source_component(const struct sim_source *source, const struct sim_component *component,
+                          int top, int64_t xr_ns, float value[2]);
+
+// Warns, once, of logged inputs that the profile (of sim_profiles) does not have.
+void sim_source_warn_unheard(struct sim_source *source, int profile);
 
 // The frames of a session on the virtual clock; −1: no end.
 int64_t sim_source_frame_count(const struct sim_source *source, double refresh_hz);
