@@ -9,6 +9,7 @@
 static const struct ap_command *const commands[] = {
     &ap_command_eval,     &ap_command_track, &ap_command_walk, &ap_command_replay,
     &ap_command_vergence, &ap_command_page,  &ap_command_play, &ap_command_doctor,
+    &ap_command_compare,
 };
 
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
