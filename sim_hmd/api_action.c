@@ -204,7 +204,8 @@ static XrResult read_suggestion(const struct sim_instance *instance, int profile
     if (!text)
         return XR_ERROR_PATH_INVALID;
     int top;
-    const struct sim_component *c = sim_profile_component(profile, text, &top);
+    const struct sim_component *c =
+        sim_profile_component(profile, text, sim_actions_kind(action->type), &top);
     if (!c)
         return XR_ERROR_PATH_UNSUPPORTED;
     *out = (struct sim_suggestion){profile, action->object.handle, c, top};
@@ -282,13 +283,13 @@ XrResult XRAPI_CALL xrAttachSessionActionSets(XrSession handle,
             return XR_ERROR_HANDLE_INVALID;
     if (session->attached)
         return XR_ERROR_ACTIONSETS_ALREADY_ATTACHED;
+    if (!sim_actions_attach(session))
+        return XR_ERROR_OUT_OF_MEMORY;
     for (uint32_t i = 0; i < info->countActionSets; i++) {
         struct sim_action_set *set = set_get(info->actionSets[i]);
         set->attached = true;
         set->session = session->object.handle;
         reset_states(set);
     }
-    session->attached = true;
-    sim_actions_choose_profile(session);
     return XR_SUCCESS;
 }

@@ -41,10 +41,7 @@ static XrResult check_active_sets(const struct sim_session *session,
     return XR_SUCCESS;
 }
 
-static void announce_profile(struct sim_session *session) {
-    if (session->profile_announced || session->profile < 0)
-        return;
-    session->profile_announced = true;
+static void announce_profiles(struct sim_session *session) {
     XrEventDataInteractionProfileChanged event = {
         .type = XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED,
         .session = SIM_HANDLE(XrSession, session)};
@@ -60,8 +57,6 @@ XrResult XRAPI_CALL xrSyncActions(XrSession handle, const XrActionsSyncInfo *inf
     if (!sim_is(info, XR_TYPE_ACTIONS_SYNC_INFO) ||
         (info->countActiveActionSets && !info->activeActionSets))
         return XR_ERROR_VALIDATION_FAILURE;
-    if (!session->attached)
-        return XR_ERROR_ACTIONSET_NOT_ATTACHED;
     result = check_active_sets(session, info);
     if (result != XR_SUCCESS)
         return result;
@@ -69,8 +64,8 @@ XrResult XRAPI_CALL xrSyncActions(XrSession handle, const XrActionsSyncInfo *inf
     // the real clock a prediction that comes true.
     session->input_ns = session->pacer.last_ns ? session->pacer.last_ns
                                                : sim_pacer_now(&session->pacer, ap_clock_now_ns());
-    sim_actions_update(session, info);
-    announce_profile(session);
+    if (sim_actions_update(session, info))
+        announce_profiles(session);
     return session->state == XR_SESSION_STATE_FOCUSED ? XR_SUCCESS : XR_SESSION_NOT_FOCUSED;
 }
 
@@ -176,9 +171,9 @@ XrResult XRAPI_CALL xrGetCurrentInteractionProfile(XrSession handle, XrPath top,
     if (t < 0)
         return XR_ERROR_PATH_UNSUPPORTED;
     state->interactionProfile = XR_NULL_PATH;
-    if (!session->profile_announced || t > SIM_TOP_RIGHT)
+    if (session->profile[t] < 0)
         return XR_SUCCESS;
-    return sim_path_make(paths, sim_profiles[session->profile].path, &state->interactionProfile);
+    return sim_path_make(paths, sim_profiles[session->profile[t]].path, &state->interactionProfile);
 }
 
 XrResult XRAPI_CALL
@@ -198,9 +193,10 @@ xrEnumerateBoundSourcesForAction(XrSession handle, const XrBoundSourcesForAction
     struct sim_instance *instance = session->instance;
     XrPath found[64];
     uint32_t n = 0;
-    for (uint32_t i = 0; i < instance->suggestion_count && n < 64; i++) {
-        const struct sim_suggestion *s = &instance->suggestions[i];
-        if (s->profile != session->profile || s->action != action->object.handle)
+    for (uint32_t i = 0; i < session->binding_count && n < 64; i++) {
+        const struct sim_suggestion *s = &session->bindings[i];
+        if (s->profile != session->profile[s->top] || s->action != action->object.handle ||
+            !sim_kind_suits(s->component->kind, sim_actions_kind(action->type)))
             continue;
         char text[XR_MAX_PATH_LENGTH];
         snprintf(text, sizeof text, "%s%s", sim_top_paths[s->top], s->component->path);
@@ -238,6 +234,20 @@ static void describe(int top, int profile, const struct sim_component *c,
             at += (size_t)snprintf(text + at, size - at, "%s%s", at ? " " : "", words[i]);
 }
 
+// Of the profiles that are current, or will be after the next xrSyncActions.
+static const struct sim_component *find_source(const struct sim_session *session, const char *path,
+                                               int *top, int *profile) {
+    for (int t = 0; t < SIM_TOP_COUNT; t++) {
+        *profile =
+            session->profile[t] >= 0 ? session->profile[t] : sim_actions_choose_profile(session, t);
+        const struct sim_component *c =
+            *profile < 0 ? NULL : sim_profile_component(*profile, path, SIM_BOOL, top);
+        if (c && *top == t)
+            return c;
+    }
+    return NULL;
+}
+
 XrResult XRAPI_CALL xrGetInputSourceLocalizedName(XrSession handle,
                                                   const XrInputSourceLocalizedNameGetInfo *info,
                                                   uint32_t capacity, uint32_t *count,
@@ -259,13 +269,12 @@ XrResult XRAPI_CALL xrGetInputSourceLocalizedName(XrSession handle,
     const char *path = sim_path_text(&session->instance->paths, info->sourcePath);
     if (!path)
         return XR_ERROR_PATH_INVALID;
-    int top;
-    const struct sim_component *c =
-        session->profile < 0 ? NULL : sim_profile_component(session->profile, path, &top);
+    int top, profile;
+    const struct sim_component *c = find_source(session, path, &top, &profile);
     if (!c)
         return XR_ERROR_PATH_UNSUPPORTED;
     char text[256];
-    describe(top, session->profile, c, info->whichComponents, text, sizeof text);
+    describe(top, profile, c, info->whichComponents, text, sizeof text);
     return sim_two_call_text(capacity, count, text, buffer);
 }
 

@@ -183,9 +183,8 @@ XrResult XRAPI_CALL xrResultToString(XrInstance handle, XrResult value,
     if (text)
         snprintf(buffer, XR_MAX_RESULT_STRING_SIZE, "%s", text);
     else
-        snprintf(buffer, XR_MAX_RESULT_STRING_SIZE, "XR_UNKNOWN_%s_%lld",
-                 value < 0 ? "FAILURE" : "SUCCESS",
-                 (long long)value < 0 ? -(long long)value : (long long)value);
+        snprintf(buffer, XR_MAX_RESULT_STRING_SIZE, "XR_UNKNOWN_%s_%d",
+                 value < 0 ? "FAILURE" : "SUCCESS", (int)value);
     return XR_SUCCESS;
 }
 

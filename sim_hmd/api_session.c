@@ -73,6 +73,8 @@ static void free_session(struct sim_object *object) {
         sim_events_forget(&instance->events, SIM_HANDLE(XrSession, session));
         instance->session = NULL;
     }
+    sim_automation_finish(&session->automation);
+    free(session->bindings);
     free(session);
 }
 
@@ -95,7 +97,8 @@ static XrResult make_session(struct sim_instance *instance,
     const struct sim_settings *settings = &instance->settings;
     session->instance = instance;
     session->headless = !binding;
-    session->profile = -1;
+    for (int top = 0; top < SIM_TOP_COUNT; top++)
+        session->profile[top] = -1;
     session->frame_limit = frame_limit(instance);
     sim_pacer_init(&session->pacer, settings->clock, settings->profile.refresh_hz,
                    instance->epoch_ns);

@@ -111,7 +111,8 @@ XrResult XRAPI_CALL xrCreateActionSpace(XrSession handle, const XrActionSpaceCre
         return XR_ERROR_VALIDATION_FAILURE;
     if (action->type != XR_ACTION_TYPE_POSE_INPUT)
         return XR_ERROR_ACTION_TYPE_MISMATCH;
-    struct sim_space space = {.is_action = true, .action = action->object.handle, .top = -1};
+    struct sim_space space = {
+        .is_action = true, .action = action->object.handle, .top = -1, .picked_top = -1};
     result = sim_subaction(session->instance, action, info->subactionPath, &space.top);
     if (result != XR_SUCCESS)
         return result;

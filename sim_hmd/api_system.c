@@ -14,10 +14,8 @@ XrResult XRAPI_CALL xrGetSystem(XrInstance handle, const XrSystemGetInfo *info,
         return XR_ERROR_HANDLE_INVALID;
     if (!sim_is(info, XR_TYPE_SYSTEM_GET_INFO) || !system)
         return XR_ERROR_VALIDATION_FAILURE;
-    if (info->formFactor == XR_FORM_FACTOR_HANDHELD_DISPLAY)
-        return XR_ERROR_FORM_FACTOR_UNSUPPORTED;
     if (info->formFactor != XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY)
-        return XR_ERROR_VALIDATION_FAILURE;
+        return XR_ERROR_FORM_FACTOR_UNSUPPORTED;
     *system = SIM_SYSTEM_ID;
     return XR_SUCCESS;
 }

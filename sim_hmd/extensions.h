@@ -29,7 +29,8 @@
     X(KHR_vulkan_enable2)                                                                          \
     X(KHR_vulkan_enable)                                                                           \
     X(KHR_convert_timespec_time)                                                                   \
-    X(FB_display_refresh_rate)
+    X(FB_display_refresh_rate)                                                                     \
+    X(EXT_conformance_automation)
 
 #define SIM_EXTENSION_ID(name) SIM_##name,
 enum sim_extension_id {

@@ -183,31 +183,58 @@ int sim_profile_find(const char *path) {
     return -1;
 }
 
-// "/input/trigger" stands for the first component of the trigger, as "/input/trigger/value".
-static bool names(const char *component, const char *path) {
+bool sim_profile_has_top(int profile, int top) {
+    for (const struct sim_component *c = sim_profiles[profile].components; c->path; c++)
+        if (c->tops & 1u << top)
+            return true;
+    return false;
+}
+
+bool sim_kind_suits(enum sim_kind component, enum sim_kind wanted) {
+    bool scalar = component == SIM_BOOL || component == SIM_FLOAT;
+    return component == wanted || (scalar && (wanted == SIM_BOOL || wanted == SIM_FLOAT));
+}
+
+// "/input/trigger" stands for one of the trigger's components. How well the component suits a path
+// and what is wanted of it; 0: it is not named.
+static int rank(const struct sim_component *c, const char *path, enum sim_kind wanted) {
     size_t n = strlen(path);
-    return strncmp(component, path, n) == 0 && (component[n] == '\0' || component[n] == '/');
+    if (strncmp(c->path, path, n) != 0 || !strchr(path + 1, '/'))
+        return 0;
+    bool suits = sim_kind_suits(c->kind, wanted);
+    if (c->path[n] == '\0')
+        return suits ? 6 : 2;
+    if (c->path[n] != '/')
+        return 0;
+    if (!suits)
+        return 1;
+    const char *part = c->path + n + 1;
+    if (c->kind == wanted && (strcmp(part, "click") == 0 || strcmp(part, "value") == 0))
+        return 5;
+    return strcmp(part, "click") == 0 || strcmp(part, "value") == 0 ? 4 : 3;
 }
 
-static const struct sim_component *find(const struct sim_component *c, const char *path, int top) {
-    const struct sim_component *parent = NULL;
+static const struct sim_component *find(const struct sim_component *c, const char *path, int top,
+                                        enum sim_kind wanted) {
+    const struct sim_component *best = NULL;
+    int best_rank = 0;
     for (; c->path; c++) {
-        if (!(c->tops & 1u << top))
+        int r = c->tops & 1u << top ? rank(c, path, wanted) : 0;
+        if (r <= best_rank)
             continue;
-        if (strcmp(c->path, path) == 0)
-            return c;
-        if (!parent && strchr(path + 1, '/') && names(c->path, path))
-            parent = c;
+        best = c;
+        best_rank = r;
     }
-    return parent;
+    return best;
 }
 
-const struct sim_component *sim_profile_component(int profile, const char *path, int *top) {
+const struct sim_component *sim_profile_component(int profile, const char *path,
+                                                  enum sim_kind wanted, int *top) {
     for (int t = 0; t < SIM_TOP_COUNT; t++) {
         size_t n = strlen(sim_top_paths[t]);
         if (strncmp(path, sim_top_paths[t], n) != 0 || path[n] != '/')
             continue;
-        const struct sim_component *c = find(sim_profiles[profile].components, path + n, t);
+        const struct sim_component *c = find(sim_profiles[profile].components, path + n, t, wanted);
         if (c)
             *top = t;
         return c;

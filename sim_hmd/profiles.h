@@ -41,8 +41,15 @@ extern const struct sim_profile sim_profiles[];
 // −1: not a profile.
 int sim_profile_find(const char *path);
 
-// The component that a binding path names, in full or by its parent ("…/input/trigger"); NULL where
-// the profile has none such.
-const struct sim_component *sim_profile_component(int profile, const char *path, int *top);
+bool sim_profile_has_top(int profile, int top);
+
+// The component that a binding path names, in full or by its parent ("…/input/trigger"), where an
+// action of the kind takes the one of the parent's components that suits it, if any does; NULL
+// where the profile has none such.
+const struct sim_component *sim_profile_component(int profile, const char *path,
+                                                  enum sim_kind wanted, int *top);
+
+// Buttons and levers stand for each other; all else only for its own kind (OpenXR 11.4).
+bool sim_kind_suits(enum sim_kind component, enum sim_kind wanted);
 
 #endif

@@ -12,6 +12,7 @@
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
+#include "sim_hmd/automation.h"
 #include "sim_hmd/extensions.h"
 #include "sim_hmd/frame.h"
 #include "sim_hmd/handles.h"
@@ -75,10 +76,13 @@ struct sim_session {
     struct sim_prediction waited_frame, begun_frame;
     // Images of swapchains that were destroyed while the queue may still have worked on them.
     struct sim_garbage *garbage;
-    // Actions.
-    bool attached, profile_announced;
-    int profile;      // of sim_profiles; −1: none
-    int64_t input_ns; // XrTime of the last xrSyncActions
+    // Actions. The bindings are those that were suggested when the sets were attached.
+    bool attached;
+    struct sim_suggestion *bindings;
+    uint32_t binding_count;
+    int profile[SIM_TOP_COUNT]; // of sim_profiles, as of the last xrSyncActions; −1: none
+    int64_t input_ns;           // XrTime of the last xrSyncActions
+    struct sim_automation automation;
 };
 
 struct sim_space {
@@ -88,6 +92,10 @@ struct sim_space {
     XrReferenceSpaceType reference;
     uint64_t action;
     int top; // −1: any
+    // As of the last xrSyncActions. A space of any hand takes the first that is active, and keeps
+    // it.
+    int picked_top; // −1: none yet
+    bool active;
     struct ap_pose parent_from_space;
 };
 
@@ -148,8 +156,8 @@ static inline bool sim_is(const void *structure, XrStructureType type) {
     return structure && ((const XrBaseInStructure *)structure)->type == type;
 }
 
-// The structure of this type in the chain behind the caller's own; NULL: none. A chain that bites its
-// tail is not followed for ever.
+// The structure of this type in the chain behind the caller's own; NULL: none. A chain that bites
+// its tail is not followed for ever.
 static inline void *sim_chained(const void *structure, XrStructureType type) {
     const XrBaseInStructure *s = ((const XrBaseInStructure *)structure)->next;
     for (int i = 0; s && i < 64; i++, s = s->next)
@@ -216,10 +224,15 @@ XrResult sim_subaction(const struct sim_instance *instance, const struct sim_act
                        XrPath path, int *top);
 
 // actions.c
-void sim_actions_choose_profile(struct sim_session *session);
-void sim_actions_update(struct sim_session *session, const XrActionsSyncInfo *info);
+// False without memory.
+bool sim_actions_attach(struct sim_session *session);
+// The profile that the next xrSyncActions makes current; −1: none.
+int sim_actions_choose_profile(const struct sim_session *session, int top);
+// True where a current profile changed.
+bool sim_actions_update(struct sim_session *session, const XrActionsSyncInfo *info);
+enum sim_kind sim_actions_kind(XrActionType type);
 // The place in the world of a pose action's binding; NULL where it has none.
 const struct sim_component *sim_actions_binding(const struct sim_session *session, uint64_t action,
-                                                int top, int *bound_top);
+                                                int top);
 
 #endif

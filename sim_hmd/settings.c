@@ -3,13 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim_hmd/profiles.h"
 #include "src/base/file.h"
 #include "src/base/json.h"
 #include "src/device/inputlog.h"
 
-static const char *const top_keys[] = {"headset",          "poses",  "clock",   "refresh_hz",
-                                       "refresh_rates_hz", "frames", "capture", "window",
-                                       "inputs",           NULL};
+static const char *const top_keys[] = {"headset",          "poses",       "clock",   "refresh_hz",
+                                       "refresh_rates_hz", "frames",      "capture", "window",
+                                       "inputs",           "controllers", NULL};
 static const char *const log_keys[] = {"logs", "up", "head_frame", "skip_bad", "table_at", NULL};
 static const char *const script_keys[] = {"script",     "table_edge_m", "table_height_m",
                                           "duration_s", "seed",         NULL};
@@ -284,6 +285,20 @@ static enum ap_status settle_rates(struct ap_error *err, const struct ap_json_at
     return st;
 }
 
+static enum ap_status read_controllers(struct ap_error *err, const struct ap_json_at *root,
+                                       struct sim_settings *s) {
+    struct ap_json_at at = ap_json_member(root, "controllers");
+    const char *path;
+    enum ap_status st = ap_json_string(err, root, "controllers", &path);
+    if (st)
+        return st;
+    s->controllers = sim_profile_find(path);
+    if (s->controllers < 0 || !sim_profile_has_top(s->controllers, SIM_TOP_LEFT))
+        return ap_json_fail(err, &at, "expected an interaction profile of the hands, as \"%s\"",
+                            sim_profiles[0].path);
+    return AP_OK;
+}
+
 static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *root,
                                struct sim_settings *s) {
     bool virtual_clock = false;
@@ -305,6 +320,8 @@ static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *ro
         st = read_capture(err, root, s);
     if (!st && ap_json_has(root, "inputs"))
         st = read_inputs(err, root, s);
+    if (!st && ap_json_has(root, "controllers"))
+        st = read_controllers(err, root, s);
     if (!st && ap_json_has(root, "window")) {
         bool window;
         st = ap_json_bool(err, root, "window", &window);

@@ -19,7 +19,7 @@ enum sim_clock { SIM_CLOCK_REAL, SIM_CLOCK_VIRTUAL };
 
 struct sim_settings {
     struct ap_headset_profile profile; // refresh_hz already overridden
-    double rates_hz[SIM_MAX_RATES]; // that a program may ask for, rising; the profile's is one
+    double rates_hz[SIM_MAX_RATES];    // that a program may ask for, rising; the profile's is one
     size_t rate_count;
     enum sim_poses poses;
     enum sim_clock clock;
@@ -27,6 +27,7 @@ struct sim_settings {
     size_t log_count;
     char **inputs; // input logs
     size_t input_count;
+    int controllers; // of sim_profiles: what the hands hold where the program knows it
     bool z_up, skip_bad, has_table;
     enum ap_head_frame head_frame;
     double table_x_m, table_z_m, table_yaw_rad;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "sim_hmd/pacer.h"
 #include "sim_hmd/source_inputs.h"
@@ -172,15 +173,36 @@ bool sim_source_component(const struct sim_source *source, const struct sim_comp
            sim_inputs_at(source->inputs, component, top, t_ns, value);
 }
 
-void sim_source_warn_unheard(struct sim_source *source, int profile) {
-    if (!source->inputs || profile < 0 || source->warned_unheard)
+// The top level path of a channel's device.
+static int channel_top(struct ap_input_channel channel) {
+    const char *slash = NULL;
+    for (int top = 0; top < SIM_TOP_COUNT; top++) {
+        slash = strrchr(sim_top_paths[top], '/');
+        if (strcmp(slash + 1, channel.device) == 0)
+            return top;
+    }
+    return -1;
+}
+
+bool sim_source_logs_device(const struct sim_source *source, int top) {
+    int count = source->inputs ? ap_inputlog_channel_count(source->inputs) : 0;
+    for (int c = 0; c < count; c++)
+        if (channel_top(ap_inputlog_channel(source->inputs, c)) == top)
+            return true;
+    return false;
+}
+
+void sim_source_warn_unheard(struct sim_source *source, const int profile[SIM_TOP_COUNT]) {
+    int count = source->inputs ? ap_inputlog_channel_count(source->inputs) : 0;
+    if (source->warned_unheard)
         return;
     source->warned_unheard = true;
-    for (int c = 0; c < ap_inputlog_channel_count(source->inputs); c++) {
+    for (int c = 0; c < count; c++) {
         struct ap_input_channel channel = ap_inputlog_channel(source->inputs, c);
-        if (!sim_inputs_heard(source->inputs, c, profile))
+        int top = channel_top(channel), p = top < 0 ? -1 : profile[top];
+        if (p >= 0 && !sim_inputs_heard(source->inputs, c, p))
             ap_log(AP_LOG_WARNING, "the input log's %s %s is no input of the %s", channel.device,
-                   channel.path, sim_profiles[profile].name);
+                   channel.path, sim_profiles[p].name);
     }
 }
 

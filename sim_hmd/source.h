@@ -31,8 +31,11 @@ enum ap_pose_state sim_source_at(const struct sim_source *source, enum sim_devic
 bool sim_source_component(const struct sim_source *source, const struct sim_component *component,
                           int top, int64_t xr_ns, float value[2]);
 
-// Warns, once, of logged inputs that the profile (of sim_profiles) does not have.
-void sim_source_warn_unheard(struct sim_source *source, int profile);
+// The input logs speak of this device (enum sim_top).
+bool sim_source_logs_device(const struct sim_source *source, int top);
+
+// Warns, once, of logged inputs that the current profiles (of sim_profiles; −1: none) do not have.
+void sim_source_warn_unheard(struct sim_source *source, const int profile[SIM_TOP_COUNT]);
 
 // The frames of a session on the virtual clock; −1: no end.
 int64_t sim_source_frame_count(const struct sim_source *source, double refresh_hz);

@@ -59,9 +59,15 @@ struct sim_located sim_head_in_stage(const struct sim_session *session, XrTime t
 static struct sim_located action_in_stage(const struct sim_space *space, XrTime time) {
     const struct sim_session *session = space->session;
     struct sim_located none = {AP_POSE_NONE, AP_POSE_IDENTITY};
-    int top;
-    const struct sim_component *c = sim_actions_binding(session, space->action, space->top, &top);
-    if (!c || c->kind != SIM_POSE || top > SIM_TOP_RIGHT || !session->input_ns)
+    int top = space->picked_top;
+    const struct sim_component *c =
+        space->active ? sim_actions_binding(session, space->action, top) : NULL;
+    if (!c || session->automation.device[top] == SIM_SWITCHED_OFF)
+        return none;
+    const struct sim_automated *driven = sim_automation_find(&session->automation, top, c->path);
+    if (driven && driven->has_pose)
+        return (struct sim_located){driven->state, driven->stage_from_device};
+    if (top > SIM_TOP_RIGHT)
         return none;
     struct sim_located hand =
         device_in_stage(session, top == SIM_TOP_LEFT ? SIM_LEFT : SIM_RIGHT, time);

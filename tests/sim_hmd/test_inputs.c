@@ -28,7 +28,7 @@ static const struct sim_component *component(const char *profile, const char *pa
     snprintf(whole, sizeof whole, "/interaction_profiles/%s", profile);
     int p = sim_profile_find(whole);
     assert_true(p >= 0);
-    const struct sim_component *c = sim_profile_component(p, path, top);
+    const struct sim_component *c = sim_profile_component(p, path, SIM_VEC2, top);
     assert_non_null(c);
     return c;
 }

@@ -143,7 +143,7 @@ static void paths_are_checked(void **state) {
     XR_OK(xrResultToString(c.instance, XR_ERROR_LAYER_INVALID, name));
     assert_string_equal(name, "XR_ERROR_LAYER_INVALID");
     XR_OK(xrResultToString(c.instance, (XrResult)-54321, name));
-    assert_string_equal(name, "XR_UNKNOWN_FAILURE_54321");
+    assert_string_equal(name, "XR_UNKNOWN_FAILURE_-54321");
     XR_OK(xrResultToString(c.instance, (XrResult)54321, name));
     assert_string_equal(name, "XR_UNKNOWN_SUCCESS_54321");
     client_stop(&c);
@@ -198,6 +198,10 @@ static void actions_are_checked(void **state) {
     XR_IS(XR_ERROR_PATH_UNSUPPORTED, suggest(&c, touch, x, "/user/hand/left/input"));
     XR_IS(XR_ERROR_PATH_UNSUPPORTED, suggest(&c, "/interaction_profiles/no/such", x, "/user/x"));
     XrActionsSyncInfo sync = {.type = XR_TYPE_ACTIONS_SYNC_INFO};
+    XR_IS(XR_SESSION_NOT_FOCUSED, xrSyncActions(c.session, &sync)); // names no set
+    XrActiveActionSet active = {.actionSet = set};
+    sync.countActiveActionSets = 1;
+    sync.activeActionSets = &active;
     XR_IS(XR_ERROR_ACTIONSET_NOT_ATTACHED, xrSyncActions(c.session, &sync));
     XrSessionActionSetsAttachInfo attach = {
         .type = XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, .countActionSets = 1, .actionSets = &set};
