@@ -43,6 +43,14 @@ static bool is_choice(const char *values, const char *word) {
     return false;
 }
 
+static enum ap_status add_text(struct ap_error *err, const struct ap_option *o, const char *value) {
+    struct ap_text_list *list = o->target;
+    if (list->count == AP_TEXT_LIST_MAX)
+        return ap_fail(err, AP_USAGE, "--%s: at most %d of them", o->name, AP_TEXT_LIST_MAX);
+    list->text[list->count++] = value;
+    return AP_OK;
+}
+
 static enum ap_status set_option(struct ap_error *err, const struct ap_usage *u,
                                  const struct ap_option *o, const char *value) {
     double number;
@@ -62,6 +70,8 @@ static enum ap_status set_option(struct ap_error *err, const struct ap_usage *u,
             return ap_fail(err, AP_USAGE, "--%s: expected one of %s, not '%s'", o->name, o->values,
                            value);
         break;
+    case AP_OPTION_LIST:
+        return add_text(err, o, value);
     case AP_OPTION_TEXT:
         break;
     }
@@ -102,6 +112,7 @@ enum ap_status ap_parse_options(struct ap_error *err, const struct ap_usage *usa
         int used = 1;
         if (only_operands || argv[i][0] != '-' || strcmp(argv[i], "-") == 0) {
             argv[1 + operands++] = argv[i];
+            only_operands |= usage->operand_ends_options;
         } else if (strcmp(argv[i], "--") == 0) {
             only_operands = true;
         } else if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {

@@ -14,6 +14,14 @@ enum ap_option_kind {
     AP_OPTION_TEXT,   // const char **, points into argv
     AP_OPTION_NUMBER, // double *, finite decimal
     AP_OPTION_CHOICE, // const char **, one of the words in `values` ("h3|s3|e3")
+    AP_OPTION_LIST,   // struct ap_text_list *, one more each time the option is given
+};
+
+enum { AP_TEXT_LIST_MAX = 64 };
+
+struct ap_text_list {
+    const char *text[AP_TEXT_LIST_MAX]; // pointing into argv
+    size_t count;
 };
 
 struct ap_option {
@@ -31,6 +39,7 @@ struct ap_usage {
     const struct ap_option *options;
     size_t option_count;
     int min_operands, max_operands; // −1: any number
+    bool operand_ends_options;      // what follows the first operand is another program's
 };
 
 // Parses argv[1…]; operands are moved to argv[1…*operand_count] in order. "--name value",
@@ -47,7 +56,7 @@ struct ap_command {
 };
 
 extern const struct ap_command ap_command_eval, ap_command_track, ap_command_walk,
-    ap_command_replay, ap_command_vergence, ap_command_page, ap_command_play, ap_command_doctor,
-    ap_command_compare;
+    ap_command_replay, ap_command_vergence, ap_command_page, ap_command_compare, ap_command_play,
+    ap_command_doctor, ap_command_sim;
 
 #endif

@@ -7,9 +7,9 @@
 #include "src/base/log.h"
 
 static const struct ap_command *const commands[] = {
-    &ap_command_eval,     &ap_command_track, &ap_command_walk, &ap_command_replay,
-    &ap_command_vergence, &ap_command_page,  &ap_command_play, &ap_command_doctor,
-    &ap_command_compare,
+    &ap_command_eval,     &ap_command_track,  &ap_command_walk,    &ap_command_replay,
+    &ap_command_vergence, &ap_command_page,   &ap_command_compare, &ap_command_play,
+    &ap_command_sim,      &ap_command_doctor,
 };
 
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
@@ -28,8 +28,9 @@ int main(int argc, char **argv) {
     // A reader that goes away (`antipode track … | head`) is a write error, told as one.
     signal(SIGPIPE, SIG_IGN);
     // The OpenXR loader repeats at length what our own one line says; XR_LOADER_DEBUG=error asks it
-    // to.
-    setenv("XR_LOADER_DEBUG", "none", 0);
+    // to. Under `sim` it is another program's loader, which says what it always says.
+    if (argc < 2 || strcmp(argv[1], "sim") != 0)
+        setenv("XR_LOADER_DEBUG", "none", 0);
     if (argc < 2) {
         print_help(stderr);
         return AP_USAGE;
