@@ -63,9 +63,19 @@ static enum ap_status read_side(struct ap_error *err, const struct ap_json_at *a
     return AP_OK;
 }
 
+static enum ap_status read_lens(struct ap_error *err, const struct ap_json_at *object,
+                                struct ap_eye_profile *out) {
+    if (!ap_json_has(object, "lens"))
+        return AP_OK;
+    struct ap_json_at at = ap_json_member(object, "lens");
+    double x = fmax(fabs(tan(out->left_rad)), fabs(tan(out->right_rad)));
+    double y = fmax(fabs(tan(out->up_rad)), fabs(tan(out->down_rad)));
+    return ap_lens_parse(err, &at, hypot(x, y), &out->lens);
+}
+
 static enum ap_status read_eye(struct ap_error *err, const struct ap_json_at *eyes, const char *key,
                                struct ap_eye_profile *out) {
-    static const char *const keys[] = {"resolution_px", "fov_rad", "yaw_rad", NULL};
+    static const char *const keys[] = {"resolution_px", "fov_rad", "yaw_rad", "lens", NULL};
     struct ap_json_at at = ap_json_member(eyes, key);
     enum ap_status st = ap_json_check_keys(err, &at, keys);
     if (st)
@@ -80,6 +90,8 @@ static enum ap_status read_eye(struct ap_error *err, const struct ap_json_at *ey
         st = read_fov(err, &at, out);
     if (!st && ap_json_has(&at, "yaw_rad"))
         st = read_angle(err, &at, "yaw_rad", &out->yaw_rad);
+    if (!st)
+        st = read_lens(err, &at, out);
     return st;
 }
 
@@ -126,8 +138,8 @@ static enum ap_status read_name(struct ap_error *err, const struct ap_json_at *p
 
 enum ap_status ap_headset_parse(struct ap_error *err, const struct ap_json_at *at,
                                 struct ap_headset_profile *profile) {
-    static const char *const keys[] = {"name", "refresh_hz",    "ipd_m",
-                                       "eyes", "grip_from_aim", NULL};
+    static const char *const keys[] = {"name",          "refresh_hz", "ipd_m", "eyes",
+                                       "grip_from_aim", "lens",       NULL};
     static const char *const eye_keys[] = {"left", "right", NULL};
     struct ap_headset_profile p = {.grip_from_aim = AP_POSE_IDENTITY};
     enum ap_status st = ap_json_check_keys(err, at, keys);
@@ -141,8 +153,11 @@ enum ap_status ap_headset_parse(struct ap_error *err, const struct ap_json_at *a
     struct ap_json_at eyes = ap_json_member(at, "eyes");
     if (!st)
         st = ap_json_check_keys(err, &eyes, eye_keys);
-    for (int i = 0; !st && i < 2; i++)
+    for (int i = 0; !st && i < 2; i++) {
         st = read_eye(err, &eyes, eye_keys[i], &p.eye[i]);
+        if (!st && p.eye[i].lens.red_scale == 0) // an eye's own goes before the common one
+            st = read_lens(err, at, &p.eye[i]);
+    }
     if (!st && ap_json_has(at, "grip_from_aim"))
         st = read_aim(err, at, &p.grip_from_aim);
     if (!st)
@@ -168,6 +183,14 @@ static json_t *eye_to_json(const struct ap_eye_profile *eye) {
                      "up", eye->up_rad, "down", eye->down_rad, "yaw_rad", eye->yaw_rad);
 }
 
+// NULL where the eye is, or without memory.
+static json_t *with_lens(json_t *eye, const struct ap_lens *lens) {
+    if (!eye || lens->red_scale == 0 || json_object_set_new(eye, "lens", ap_lens_to_json(lens)) == 0)
+        return eye;
+    json_decref(eye);
+    return NULL;
+}
+
 static bool is_identity(const struct ap_pose *p) {
     return p->p.x == 0 && p->p.y == 0 && p->p.z == 0 && p->q.x == 0 && p->q.y == 0 && p->q.z == 0 &&
            p->q.w == 1;
@@ -177,7 +200,8 @@ json_t *ap_headset_to_json(const struct ap_headset_profile *p) {
     // "o" takes the eyes over, and makes the whole NULL where one is.
     json_t *root = json_pack("{s:s, s:f, s:f, s:{s:o, s:o}}", "name", p->name, "refresh_hz",
                              p->refresh_hz, "ipd_m", p->ipd_m, "eyes", "left",
-                             eye_to_json(&p->eye[0]), "right", eye_to_json(&p->eye[1]));
+                             with_lens(eye_to_json(&p->eye[0]), &p->eye[0].lens), "right",
+                             with_lens(eye_to_json(&p->eye[1]), &p->eye[1].lens));
     if (!root || is_identity(&p->grip_from_aim))
         return root;
     const struct ap_pose *a = &p->grip_from_aim;

@@ -6,6 +6,7 @@
 
 #include "src/base/json.h"
 #include "src/base/status.h"
+#include "src/device/lens.h"
 #include "src/geom/pose.h"
 
 // A headset profile: shared/contract's JSON, docs/headset-profile.md. Unknown keys are errors.
@@ -13,6 +14,7 @@ struct ap_eye_profile {
     uint32_t width_px, height_px;                 // 1…16384
     double left_rad, right_rad, up_rad, down_rad; // signs as in XrFovf; |angle| < pi/2
     double yaw_rad;                               // about the eye's +y
+    struct ap_lens lens;                          // red_scale 0: none is described
 };
 
 struct ap_headset_profile {
