@@ -1,36 +1,51 @@
 #version 450
-// A projection layer as a display's eye sees it: the pixel's direction, turned into the layer's
-// view, picks the texel. Only the rotation counts; nothing is known of depths.
+#extension GL_GOOGLE_include_directive : require
+#include "composite.glsl"
+// A layer as a display's eye sees it: where the pixel's ray meets the layer picks the texel.
 
-layout(location = 0) in vec2 uv;
+layout(constant_id = 0) const uint KIND = 0u;    // 0: a plane, 1: a cylinder, 2: a sphere
+// 0: opaque, 1: premultiplied, 2: unpremultiplied, 3: unpremultiplied, over black.
+layout(constant_id = 1) const uint ALPHA = 0u;
+layout(constant_id = 2) const bool EDGES = true; // some pixel of the scissor may miss the layer
+
+layout(location = 0) in vec3 ray;
 layout(location = 0) out vec4 color; // linear light, premultiplied; the target encodes it
 
 layout(set = 0, binding = 0) uniform sampler2D layer;
 
-layout(push_constant) uniform Push {
-    vec4 turn[3];     // rows of the rotation layer_from_eye
-    vec4 eye_tan;     // tangents of the eye's fov: left, right, up, down
-    vec4 layer_tan;   // of the layer's
-    vec4 rect;        // the layer's part of the image: x, y, width, height in texels
-    vec2 size;        // the whole image
-    uint alpha;       // 0: opaque, 1: premultiplied, 2: unpremultiplied
-} push;
+// How far along the ray the inside of the unit cylinder or sphere is: the farther of two places.
+float far_side(float a, float b) {
+    float square = b * b - a * push.origin.w;
+    return square < 0.0 ? -1.0 : (sqrt(square) - b) / a;
+}
 
 void main() {
-    vec3 eye = vec3(mix(push.eye_tan.x, push.eye_tan.y, uv.x),
-                    mix(push.eye_tan.z, push.eye_tan.w, uv.y), -1.0);
-    vec3 d = vec3(dot(push.turn[0].xyz, eye), dot(push.turn[1].xyz, eye),
-                  dot(push.turn[2].xyz, eye));
-    if (!(d.z < 0.0))
+    vec2 at;
+    bool seen;
+    if (KIND == 0u) {
+        // The plane's coordinates are homogeneous: no ray needs to be met.
+        at = ray.xy / ray.z;
+        seen = ray.z > 0.0;
+    } else if (KIND == 1u) {
+        vec2 d = ray.xz, o = push.origin.xz;
+        float t = far_side(dot(d, d), dot(o, d));
+        vec3 p = push.origin.xyz + t * ray;
+        at = vec2(atan(p.x, -p.z), p.y) * push.shape.xz + push.shape.yw;
+        seen = t > 0.0;
+    } else {
+        float t = far_side(dot(ray, ray), dot(push.origin.xyz, ray));
+        vec3 p = push.origin.xyz + t * ray;
+        at = vec2(atan(p.x, -p.z), atan(p.y, length(p.xz))) * push.shape.xz + push.shape.yw;
+        seen = t > 0.0;
+    }
+    if (EDGES &&
+        !(seen && all(greaterThanEqual(at, vec2(0.0))) && all(lessThanEqual(at, vec2(1.0)))))
         discard;
-    vec2 at = vec2((d.x / -d.z - push.layer_tan.x) / (push.layer_tan.y - push.layer_tan.x),
-                   (push.layer_tan.z - d.y / -d.z) / (push.layer_tan.z - push.layer_tan.w));
-    if (!(all(greaterThanEqual(at, vec2(0.0))) && all(lessThanEqual(at, vec2(1.0)))))
-        discard;
-    // Half a texel inside the rectangle, so that nothing beside it is mixed in.
-    vec2 texel = clamp(push.rect.xy + at * push.rect.zw, push.rect.xy + 0.5,
-                       push.rect.xy + push.rect.zw - 0.5);
-    vec4 c = textureLod(layer, texel / push.size, 0.0);
-    float a = push.alpha == 0u ? 1.0 : c.a;
-    color = vec4(push.alpha == 2u ? c.rgb * a : c.rgb, a);
+    vec2 texel = clamp(push.place.xy + at * push.place.zw, push.limit.xy, push.limit.zw);
+    vec4 c = textureLod(layer, texel, 0.0);
+    if (ALPHA >= 2u)
+        c.rgb *= c.a;
+    if (ALPHA == 0u || ALPHA == 3u)
+        c.a = 1.0;
+    color = c;
 }

@@ -6,6 +6,7 @@
 
 #include "sim_hmd/capture.h"
 #include "sim_hmd/compositor_pass.h"
+#include "sim_hmd/compositor_plan.h"
 #include "sim_hmd/compositor_slot.h"
 #include "sim_hmd/window.h"
 #include "src/base/log.h"
@@ -28,6 +29,7 @@ struct sim_compositor {
     struct sim_pass pass; // made when a frame is first composed, as are the targets
     struct sim_pass_target eye[2], preview;
     VkRect2D preview_part[2];
+    struct sim_plan plan; // the present frame's; large
     struct sim_slot slots[MAX_SLOTS];
     int slot_count;
     pthread_mutex_t lock;
@@ -80,74 +82,8 @@ static struct sim_slot *take_slot(struct sim_compositor *c, bool wait) {
 
 // ---- What the GPU is asked to do for one frame
 
-struct use {
-    VkImage image;
-    VkImageLayout layout;
-};
-
-struct plan {
-    const struct sim_frame *frame;
-    bool show;
-    bool pictures; // of the eyes
-    bool copy[2];  // this eye's picture is the layer's, bit for bit
-    struct use uses[SIM_MAX_VIEWS];
-    int use_count;
-};
-
-static bool copies(const struct sim_compositor *c, const struct sim_frame *frame, int eye) {
-    const struct ap_eye_profile *profile = &c->settings->profile.eye[eye];
-    const struct sim_layer *layer = &frame->layer[0];
-    const struct sim_layer_view *view = &layer->view[eye];
-    // Over black, premultiplied colour is the picture whatever its alpha.
-    return frame->layer_count == 1 && !(layer->blend_alpha && layer->unpremultiplied) &&
-           view->at_display && view->samples <= 1 &&
-           (view->format == VK_FORMAT_R8G8B8A8_SRGB || view->format == VK_FORMAT_B8G8R8A8_SRGB) &&
-           view->rect.extent.width == (int32_t)profile->width_px &&
-           view->rect.extent.height == (int32_t)profile->height_px;
-}
-
-// Both eyes may be parts of one image, read in two ways.
-static void add_use(struct plan *plan, VkImage image, VkImageLayout layout) {
-    for (int k = 0; k < plan->use_count; k++)
-        if (plan->uses[k].image == image) {
-            if (plan->uses[k].layout != layout)
-                plan->uses[k].layout = VK_IMAGE_LAYOUT_GENERAL;
-            return;
-        }
-    plan->uses[plan->use_count++] = (struct use){image, layout};
-}
-
-static VkImageLayout layout_of(const struct plan *plan, VkImage image) {
-    for (int k = 0; k < plan->use_count; k++)
-        if (plan->uses[k].image == image)
-            return plan->uses[k].layout;
-    return VK_IMAGE_LAYOUT_UNDEFINED;
-}
-
-// True where the shader reads this eye's views.
-static bool samples(const struct plan *plan, int eye) {
-    return plan->show || (plan->pictures && !plan->copy[eye]);
-}
-
-static void make_plan(const struct sim_compositor *c, const struct sim_frame *frame, bool show,
-                      struct plan *plan) {
-    *plan = (struct plan){.frame = frame, .show = show, .pictures = frame->capture};
-    for (int eye = 0; eye < 2; eye++) {
-        plan->copy[eye] = plan->pictures && copies(c, frame, eye);
-        for (uint32_t k = 0; k < frame->layer_count; k++) {
-            const struct sim_layer_view *view = &frame->layer[k].view[eye];
-            if (plan->copy[eye])
-                add_use(plan, view->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-            if (samples(plan, eye))
-                add_use(plan, view->image,
-                        view->samples > 1 ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL
-                                          : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-        }
-    }
-}
-
 static enum ap_status make_pass(struct ap_error *err, struct sim_compositor *c) {
-    return c->pass.pipeline ? AP_OK : sim_pass_create(err, c->gpu, &c->pass);
+    return c->pass.render_pass ? AP_OK : sim_pass_create(err, c->gpu, &c->pass);
 }
 
 static enum ap_status make_target(struct ap_error *err, struct sim_compositor *c, uint32_t width_px,
@@ -165,15 +101,26 @@ static enum ap_status make_buffer(struct ap_error *err, struct sim_compositor *c
                                 VK_BUFFER_USAGE_TRANSFER_DST_BIT, true, buffer);
 }
 
+static enum ap_status make_pipelines(struct ap_error *err, struct sim_compositor *c,
+                                     const struct sim_plan *plan) {
+    enum ap_status st = AP_OK;
+    for (int eye = 0; eye < 2; eye++)
+        for (uint32_t k = 0; k < plan->count[eye] && sim_plan_samples(plan, eye) && !st; k++)
+            st = sim_pass_prepare(err, c->gpu, &c->pass, plan->drawings[eye][k].way);
+    return st;
+}
+
 // Everything that this frame is the first to need.
 static enum ap_status make_ready(struct ap_error *err, struct sim_compositor *c,
-                                 const struct plan *plan, struct sim_slot *slot) {
+                                 const struct sim_plan *plan, struct sim_slot *slot) {
     enum ap_status st = AP_OK;
-    bool passes = samples(plan, 0) || samples(plan, 1);
+    bool passes = sim_plan_samples(plan, 0) || sim_plan_samples(plan, 1);
     if (passes)
         st = make_pass(err, c);
     if (!st && passes)
         st = sim_slot_descriptors(err, c->gpu, &c->pass, slot);
+    if (!st && passes)
+        st = make_pipelines(err, c, plan);
     for (int eye = 0; eye < 2 && plan->pictures && !st; eye++) {
         const struct ap_eye_profile *p = &c->settings->profile.eye[eye];
         st = make_buffer(err, c, p->width_px, p->height_px, &slot->eye[eye]);
@@ -198,11 +145,12 @@ static void copy_out(VkCommandBuffer cmd, VkImage image, VkImageLayout layout, u
     vkCmdCopyImageToBuffer(cmd, image, layout, buffer->buffer, 1, &region);
 }
 
-static void draw_layers(struct sim_compositor *c, const struct plan *plan, struct sim_slot *slot,
-                        int eye, VkRect2D part) {
-    for (uint32_t k = 0; k < plan->frame->layer_count; k++)
-        sim_pass_draw(slot->cmd, &c->pass, part, plan->frame, eye, &plan->frame->layer[k],
-                      slot->sets[k][eye]);
+static void draw_layers(struct sim_compositor *c, const struct sim_plan *plan,
+                        struct sim_slot *slot, int eye, VkRect2D part) {
+    for (uint32_t k = 0; k < plan->count[eye]; k++) {
+        const struct sim_drawing *d = &plan->drawings[eye][k];
+        sim_pass_draw(slot->cmd, &c->pass, part, d->way, &d->seen, slot->sets[d->layer][eye]);
+    }
 }
 
 static void copy_target(VkCommandBuffer cmd, const struct sim_pass_target *target,
@@ -211,14 +159,15 @@ static void copy_target(VkCommandBuffer cmd, const struct sim_pass_target *targe
     copy_out(cmd, target->image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, 0, all, buffer);
 }
 
-static void record_eye(struct sim_compositor *c, const struct plan *plan, struct sim_slot *slot,
+static void record_eye(struct sim_compositor *c, const struct sim_plan *plan, struct sim_slot *slot,
                        int eye) {
     const struct ap_eye_profile *p = &c->settings->profile.eye[eye];
-    const struct sim_layer_view *view = &plan->frame->layer[0].view[eye];
     if (plan->copy[eye]) {
+        uint32_t only = plan->drawings[eye][0].layer;
+        const struct sim_layer_view *view = &plan->frame->layer[only].view[eye];
         VkRect2D part = {{view->rect.offset.x, view->rect.offset.y}, {p->width_px, p->height_px}};
-        copy_out(slot->cmd, view->image, layout_of(plan, view->image), view->array_layer, part,
-                 &slot->eye[eye]);
+        copy_out(slot->cmd, view->image, sim_plan_layout(plan, view->image), view->array_layer,
+                 part, &slot->eye[eye]);
         slot->bgra[eye] = view->format == VK_FORMAT_B8G8R8A8_SRGB;
         c->stats.copied++;
         return;
@@ -232,7 +181,7 @@ static void record_eye(struct sim_compositor *c, const struct plan *plan, struct
     c->stats.composed++;
 }
 
-static void record_preview(struct sim_compositor *c, const struct plan *plan,
+static void record_preview(struct sim_compositor *c, const struct sim_plan *plan,
                            struct sim_slot *slot) {
     sim_pass_begin(slot->cmd, &c->pass, &c->preview);
     for (int eye = 0; eye < 2; eye++)
@@ -243,19 +192,20 @@ static void record_preview(struct sim_compositor *c, const struct plan *plan,
 }
 
 static enum ap_status bind_layers(struct ap_error *err, struct sim_compositor *c,
-                                  const struct plan *plan, struct sim_slot *slot) {
+                                  const struct sim_plan *plan, struct sim_slot *slot) {
     enum ap_status st = AP_OK;
     for (int eye = 0; eye < 2; eye++)
-        for (uint32_t k = 0; k < plan->frame->layer_count && samples(plan, eye) && !st; k++) {
-            const struct sim_layer_view *view = &plan->frame->layer[k].view[eye];
-            st = sim_slot_bind(err, c->gpu, &c->pass, slot, view, layout_of(plan, view->image), k,
-                               eye);
+        for (uint32_t k = 0; k < plan->count[eye] && sim_plan_samples(plan, eye) && !st; k++) {
+            uint32_t layer = plan->drawings[eye][k].layer;
+            const struct sim_layer_view *view = &plan->frame->layer[layer].view[eye];
+            st = sim_slot_bind(err, c->gpu, &c->pass, slot, &plan->frame->layer[layer], layer, eye,
+                               sim_plan_layout(plan, view->image));
         }
     return st;
 }
 
 static enum ap_status record(struct ap_error *err, struct sim_compositor *c,
-                             const struct plan *plan, struct sim_slot *slot) {
+                             const struct sim_plan *plan, struct sim_slot *slot) {
     VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                       .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     enum ap_status st =
@@ -263,7 +213,7 @@ static enum ap_status record(struct ap_error *err, struct sim_compositor *c,
     if (st)
         return st;
     const VkImageLayout released = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    for (int k = 0; k < plan->use_count; k++)
+    for (uint32_t k = 0; k < plan->use_count; k++)
         ap_gpu_barrier(slot->cmd, plan->uses[k].image, VK_IMAGE_ASPECT_COLOR_BIT, released,
                        plan->uses[k].layout);
     st = bind_layers(err, c, plan, slot);
@@ -273,7 +223,7 @@ static enum ap_status record(struct ap_error *err, struct sim_compositor *c,
         record_eye(c, plan, slot, eye);
     if (plan->show)
         record_preview(c, plan, slot);
-    for (int k = 0; k < plan->use_count; k++)
+    for (uint32_t k = 0; k < plan->use_count; k++)
         ap_gpu_barrier(slot->cmd, plan->uses[k].image, VK_IMAGE_ASPECT_COLOR_BIT,
                        plan->uses[k].layout, released);
     VkMemoryBarrier host = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
@@ -285,7 +235,7 @@ static enum ap_status record(struct ap_error *err, struct sim_compositor *c,
 }
 
 static enum ap_status submit(struct ap_error *err, struct sim_compositor *c,
-                             const struct plan *plan, struct sim_slot *slot) {
+                             const struct sim_plan *plan, struct sim_slot *slot) {
     enum ap_status st = make_ready(err, c, plan, slot);
     if (!st)
         st = record(err, c, plan, slot);
@@ -321,18 +271,18 @@ enum ap_status sim_compositor_frame(struct ap_error *err, struct sim_compositor 
         c->stats.skipped++;
         return sim_capture_error(err, c->capture);
     }
-    struct plan plan;
-    make_plan(c, frame, show, &plan);
+    struct sim_plan *plan = &c->plan;
+    sim_plan_make(c->settings, frame, show, plan);
     slot->frame = frame->index;
-    enum ap_status st = submit(err, c, &plan, slot);
+    enum ap_status st = submit(err, c, plan, slot);
     if (st)
         return st;
     pthread_mutex_lock(&c->lock);
-    slot->pending = (plan.pictures ? 2 : 0) + (plan.show ? 1 : 0);
+    slot->pending = (plan->pictures ? 2 : 0) + (plan->show ? 1 : 0);
     pthread_mutex_unlock(&c->lock);
-    if (plan.show)
+    if (plan->show)
         add_job(c, slot, PREVIEW);
-    for (int eye = 0; eye < 2 && plan.pictures; eye++)
+    for (int eye = 0; eye < 2 && plan->pictures; eye++)
         add_job(c, slot, eye);
     return sim_capture_error(err, c->capture);
 }

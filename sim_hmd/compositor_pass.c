@@ -1,12 +1,15 @@
 #include "sim_hmd/compositor_pass.h"
 
 #include <math.h>
-#include <string.h>
+#include <stddef.h>
 
 #include "shaders/composite.frag.spv.h"
 #include "shaders/composite.vert.spv.h"
+#include "shaders/composite_cube.frag.spv.h"
 
 static const VkFormat TARGET_FORMAT = VK_FORMAT_R8G8B8A8_SRGB;
+static const VkShaderStageFlags PUSH_STAGES =
+    VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
 static enum ap_status create_render_pass(struct ap_error *err, const struct ap_gpu *gpu,
                                          struct sim_pass *pass) {
@@ -75,7 +78,7 @@ static enum ap_status create_layouts(struct ap_error *err, const struct ap_gpu *
                     "vkCreateDescriptorSetLayout");
     if (st)
         return st;
-    VkPushConstantRange push = {VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(struct sim_pass_push)};
+    VkPushConstantRange push = {PUSH_STAGES, 0, sizeof(struct sim_pass_push)};
     VkPipelineLayoutCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                        .setLayoutCount = 1,
                                        .pSetLayouts = &pass->set_layout,
@@ -85,71 +88,92 @@ static enum ap_status create_layouts(struct ap_error *err, const struct ap_gpu *
                        "vkCreatePipelineLayout");
 }
 
-static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu *gpu,
-                                      VkShaderModule vert, VkShaderModule frag,
-                                      struct sim_pass *pass) {
-    VkPipelineShaderStageCreateInfo stages[2] = {
-        {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-         .stage = VK_SHADER_STAGE_VERTEX_BIT,
-         .module = vert,
-         .pName = "main"},
-        {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-         .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
-         .module = frag,
-         .pName = "main"}};
-    VkPipelineVertexInputStateCreateInfo input = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-    VkPipelineInputAssemblyStateCreateInfo assembly = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
-    VkPipelineViewportStateCreateInfo viewport = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-        .viewportCount = 1,
-        .scissorCount = 1};
-    VkPipelineRasterizationStateCreateInfo raster = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO, .lineWidth = 1};
-    VkPipelineMultisampleStateCreateInfo samples = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
-    VkPipelineColorBlendAttachmentState over = {
-        .blendEnable = VK_TRUE,
+// What the stages of a way of drawing are told: shaders/composite.frag's constants.
+struct constants {
+    uint32_t kind, alpha, edges;
+};
+static const VkSpecializationMapEntry constant_entries[3] = {
+    {0, offsetof(struct constants, kind), 4},
+    {1, offsetof(struct constants, alpha), 4},
+    {2, offsetof(struct constants, edges), 4}};
+
+// What all ways of drawing have in common.
+static const VkPipelineVertexInputStateCreateInfo no_input = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+static const VkPipelineInputAssemblyStateCreateInfo triangles = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+    .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+static const VkPipelineViewportStateCreateInfo one_viewport = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+    .viewportCount = 1,
+    .scissorCount = 1};
+static const VkPipelineRasterizationStateCreateInfo raster = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO, .lineWidth = 1};
+static const VkPipelineMultisampleStateCreateInfo one_sample = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+    .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+static const VkDynamicState dynamic_states[2] = {VK_DYNAMIC_STATE_VIEWPORT,
+                                                 VK_DYNAMIC_STATE_SCISSOR};
+static const VkPipelineDynamicStateCreateInfo dynamic = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+    .dynamicStateCount = 2,
+    .pDynamicStates = dynamic_states};
+
+static VkPipelineColorBlendAttachmentState blending(struct sim_pass_way way) {
+    return (VkPipelineColorBlendAttachmentState){
+        .blendEnable = way.alpha == SIM_PASS_PREMULTIPLIED || way.alpha == SIM_PASS_UNPREMULTIPLIED,
         .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
         .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
         .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
         .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
         .colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
                           VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT};
+}
+
+static VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule module,
+                                             const VkSpecializationInfo *special) {
+    return (VkPipelineShaderStageCreateInfo){
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+        .stage = bit,
+        .module = module,
+        .pName = "main",
+        .pSpecializationInfo = special};
+}
+
+static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu *gpu,
+                                      const struct sim_pass *pass, struct sim_pass_way way,
+                                      VkPipeline *pipeline) {
+    struct constants constants = {way.surface, way.alpha, way.edges};
+    VkSpecializationInfo special = {3, constant_entries, sizeof constants, &constants};
+    VkShaderModule frag = way.surface == SIM_PASS_CUBE ? pass->frag_cube : pass->frag;
+    VkPipelineShaderStageCreateInfo stages[2] = {
+        stage(VK_SHADER_STAGE_VERTEX_BIT, pass->vert, NULL),
+        stage(VK_SHADER_STAGE_FRAGMENT_BIT, frag, &special)};
+    VkPipelineColorBlendAttachmentState over = blending(way);
     VkPipelineColorBlendStateCreateInfo blend = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
         .attachmentCount = 1,
         .pAttachments = &over};
-    VkDynamicState states[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    VkPipelineDynamicStateCreateInfo dynamic = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-        .dynamicStateCount = 2,
-        .pDynamicStates = states};
     VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                          .stageCount = 2,
                                          .pStages = stages,
-                                         .pVertexInputState = &input,
-                                         .pInputAssemblyState = &assembly,
-                                         .pViewportState = &viewport,
+                                         .pVertexInputState = &no_input,
+                                         .pInputAssemblyState = &triangles,
+                                         .pViewportState = &one_viewport,
                                          .pRasterizationState = &raster,
-                                         .pMultisampleState = &samples,
+                                         .pMultisampleState = &one_sample,
                                          .pColorBlendState = &blend,
                                          .pDynamicState = &dynamic,
                                          .layout = pass->layout,
                                          .renderPass = pass->render_pass};
     return ap_vk_check(
-        err,
-        vkCreateGraphicsPipelines(gpu->device, VK_NULL_HANDLE, 1, &info, NULL, &pass->pipeline),
+        err, vkCreateGraphicsPipelines(gpu->device, VK_NULL_HANDLE, 1, &info, NULL, pipeline),
         "vkCreateGraphicsPipelines");
 }
 
 enum ap_status sim_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
                                struct sim_pass *pass) {
     struct sim_pass made = {0};
-    VkShaderModule vert = VK_NULL_HANDLE, frag = VK_NULL_HANDLE;
     enum ap_status st = create_render_pass(err, gpu, &made);
     if (!st)
         st = create_layouts(err, gpu, &made);
@@ -158,13 +182,12 @@ enum ap_status sim_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
     if (!st)
         st = create_sampler(err, gpu, VK_FILTER_NEAREST, &made.nearest);
     if (!st)
-        st = ap_gpu_shader(err, gpu, composite_vert, sizeof composite_vert, &vert);
+        st = ap_gpu_shader(err, gpu, composite_vert, sizeof composite_vert, &made.vert);
     if (!st)
-        st = ap_gpu_shader(err, gpu, composite_frag, sizeof composite_frag, &frag);
+        st = ap_gpu_shader(err, gpu, composite_frag, sizeof composite_frag, &made.frag);
     if (!st)
-        st = create_pipeline(err, gpu, vert, frag, &made);
-    vkDestroyShaderModule(gpu->device, vert, NULL);
-    vkDestroyShaderModule(gpu->device, frag, NULL);
+        st = ap_gpu_shader(err, gpu, composite_cube_frag, sizeof composite_cube_frag,
+                           &made.frag_cube);
     if (st)
         sim_pass_destroy(gpu, &made);
     else
@@ -173,7 +196,11 @@ enum ap_status sim_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
 }
 
 void sim_pass_destroy(const struct ap_gpu *gpu, struct sim_pass *pass) {
-    vkDestroyPipeline(gpu->device, pass->pipeline, NULL);
+    for (int k = 0; k < SIM_PASS_SURFACES * SIM_PASS_ALPHAS * 2; k++)
+        vkDestroyPipeline(gpu->device, pass->pipelines[k / 8][k / 2 % 4][k % 2], NULL);
+    vkDestroyShaderModule(gpu->device, pass->vert, NULL);
+    vkDestroyShaderModule(gpu->device, pass->frag, NULL);
+    vkDestroyShaderModule(gpu->device, pass->frag_cube, NULL);
     vkDestroyPipelineLayout(gpu->device, pass->layout, NULL);
     vkDestroyDescriptorSetLayout(gpu->device, pass->set_layout, NULL);
     vkDestroySampler(gpu->device, pass->linear, NULL);
@@ -233,61 +260,48 @@ void sim_pass_begin(VkCommandBuffer cmd, const struct sim_pass *pass,
                                   .clearValueCount = 1,
                                   .pClearValues = &black};
     vkCmdBeginRenderPass(cmd, &info, VK_SUBPASS_CONTENTS_INLINE);
-    vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, pass->pipeline);
 }
 
 void sim_pass_end(VkCommandBuffer cmd) {
     vkCmdEndRenderPass(cmd);
 }
 
-static void tangents(const XrFovf *fov, float t[4]) {
-    t[0] = (float)tan(fov->angleLeft);
-    t[1] = (float)tan(fov->angleRight);
-    t[2] = (float)tan(fov->angleUp);
-    t[3] = (float)tan(fov->angleDown);
+// The pixels of the part that the layer's bounds touch.
+static VkRect2D scissor_of(VkRect2D part, const struct sim_seen *seen) {
+    const double width = part.extent.width, height = part.extent.height;
+    int32_t left = (int32_t)floor(seen->from_uv[0] * width) - 1;
+    int32_t top = (int32_t)floor(seen->from_uv[1] * height) - 1;
+    int32_t right = (int32_t)ceil(seen->to_uv[0] * width) + 1;
+    int32_t bottom = (int32_t)ceil(seen->to_uv[1] * height) + 1;
+    left = left < 0 ? 0 : left;
+    top = top < 0 ? 0 : top;
+    right = right > (int32_t)part.extent.width ? (int32_t)part.extent.width : right;
+    bottom = bottom > (int32_t)part.extent.height ? (int32_t)part.extent.height : bottom;
+    return (VkRect2D){{part.offset.x + left, part.offset.y + top},
+                      {(uint32_t)(right - left), (uint32_t)(bottom - top)}};
 }
 
-struct sim_pass_push sim_pass_push_of(const struct sim_frame *frame, int eye,
-                                      const struct sim_layer *layer) {
-    const struct sim_layer_view *view = &layer->view[eye];
-    struct sim_pass_push push = {.rect = {(float)view->rect.offset.x, (float)view->rect.offset.y,
-                                          (float)view->rect.extent.width,
-                                          (float)view->rect.extent.height},
-                                 .size = {(float)view->width_px, (float)view->height_px},
-                                 .alpha = !layer->blend_alpha      ? 0
-                                          : layer->unpremultiplied ? 2
-                                                                   : 1};
-    // In the identity no rounding of the product's shall move the picture.
-    struct ap_quat q = view->at_display
-                           ? AP_QUAT_IDENTITY
-                           : ap_quat_mul(ap_quat_conj(ap_quat_normalize(view->stage_from_view.q)),
-                                         ap_quat_normalize(frame->stage_from_eye[eye].q));
-    const struct ap_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (int c = 0; c < 3; c++) {
-        struct ap_vec3 v = ap_quat_rotate(q, axis[c]);
-        push.turn[0][c] = (float)v.x;
-        push.turn[1][c] = (float)v.y;
-        push.turn[2][c] = (float)v.z;
-    }
-    tangents(&frame->fov[eye], push.eye_tan);
-    tangents(&view->fov, push.layer_tan);
-    return push;
+enum ap_status sim_pass_prepare(struct ap_error *err, const struct ap_gpu *gpu,
+                                struct sim_pass *pass, struct sim_pass_way way) {
+    VkPipeline *pipeline = &pass->pipelines[way.surface][way.alpha][way.edges];
+    return *pipeline ? AP_OK : create_pipeline(err, gpu, pass, way, pipeline);
 }
 
 void sim_pass_draw(VkCommandBuffer cmd, const struct sim_pass *pass, VkRect2D part,
-                   const struct sim_frame *frame, int eye, const struct sim_layer *layer,
-                   VkDescriptorSet set) {
+                   struct sim_pass_way way, const struct sim_seen *seen, VkDescriptorSet set) {
     VkViewport viewport = {(float)part.offset.x,
                            (float)part.offset.y,
                            (float)part.extent.width,
                            (float)part.extent.height,
                            0,
                            1};
-    struct sim_pass_push push = sim_pass_push_of(frame, eye, layer);
+    VkRect2D scissor = scissor_of(part, seen);
+    vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS,
+                      pass->pipelines[way.surface][way.alpha][way.edges]);
     vkCmdSetViewport(cmd, 0, 1, &viewport);
-    vkCmdSetScissor(cmd, 0, 1, &part);
+    vkCmdSetScissor(cmd, 0, 1, &scissor);
     vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, pass->layout, 0, 1, &set, 0,
                             NULL);
-    vkCmdPushConstants(cmd, pass->layout, VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof push, &push);
+    vkCmdPushConstants(cmd, pass->layout, PUSH_STAGES, 0, sizeof seen->push, &seen->push);
     vkCmdDraw(cmd, 3, 1, 0, 0);
 }

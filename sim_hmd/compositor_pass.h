@@ -1,15 +1,33 @@
 #ifndef ANTIPODE_SIM_HMD_COMPOSITOR_PASS_H
 #define ANTIPODE_SIM_HMD_COMPOSITOR_PASS_H
 
+#include "sim_hmd/compositor_shape.h"
 #include "sim_hmd/frame.h"
 
-// The graphics pass that lays projection layers over one another as a display's eye sees them:
-// rotation-only reprojection, bilinear, blended in linear light, R8G8B8A8_SRGB.
+// How one layer is drawn. Each way is a pipeline of its own, so that none pays for another's
+// questions.
+enum sim_pass_surface { SIM_PASS_PLANE, SIM_PASS_CYLINDER, SIM_PASS_SPHERE, SIM_PASS_CUBE };
+enum sim_pass_alpha {
+    SIM_PASS_OPAQUE,
+    SIM_PASS_PREMULTIPLIED,
+    SIM_PASS_UNPREMULTIPLIED,
+    SIM_PASS_UNPREMULTIPLIED_FIRST, // nothing but black below: no blending
+};
+enum { SIM_PASS_SURFACES = 4, SIM_PASS_ALPHAS = 4 };
+struct sim_pass_way {
+    enum sim_pass_surface surface;
+    enum sim_pass_alpha alpha;
+    bool edges; // some pixels of its bounds may miss it
+};
+
+// The graphics pass that lays layers over one another as a display's eye sees them: bilinear,
+// blended in linear light, R8G8B8A8_SRGB.
 struct sim_pass {
     VkRenderPass render_pass;
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout layout;
-    VkPipeline pipeline;
+    VkShaderModule vert, frag, frag_cube;
+    VkPipeline pipelines[SIM_PASS_SURFACES][SIM_PASS_ALPHAS][2]; // made when first needed
     VkSampler linear, nearest; // nearest: for formats that cannot be filtered
 };
 
@@ -33,21 +51,13 @@ void sim_pass_begin(VkCommandBuffer cmd, const struct sim_pass *pass,
                     const struct sim_pass_target *target);
 void sim_pass_end(VkCommandBuffer cmd);
 
-// One layer onto a part of the target: what the eye at this pose with this fov sees of it. set
-// holds the view's image, in SHADER_READ_ONLY_OPTIMAL or GENERAL.
-void sim_pass_draw(VkCommandBuffer cmd, const struct sim_pass *pass, VkRect2D part,
-                   const struct sim_frame *frame, int eye, const struct sim_layer *layer,
-                   VkDescriptorSet set);
+// Makes the pipeline that this way of drawing needs, if it is the first to need it.
+enum ap_status sim_pass_prepare(struct ap_error *err, const struct ap_gpu *gpu,
+                                struct sim_pass *pass, struct sim_pass_way way);
 
-// What the shader is told, for the tests' reference: see shaders/composite.frag.
-struct sim_pass_push {
-    float turn[3][4];
-    float eye_tan[4], layer_tan[4];
-    float rect[4];
-    float size[2];
-    uint32_t alpha;
-};
-struct sim_pass_push sim_pass_push_of(const struct sim_frame *frame, int eye,
-                                      const struct sim_layer *layer);
+// One layer, as it is seen, onto a part of the target. set holds the view's image, in
+// SHADER_READ_ONLY_OPTIMAL or GENERAL. The way is prepared.
+void sim_pass_draw(VkCommandBuffer cmd, const struct sim_pass *pass, VkRect2D part,
+                   struct sim_pass_way way, const struct sim_seen *seen, VkDescriptorSet set);
 
 #endif

@@ -98,13 +98,13 @@ static enum ap_status resolve(struct ap_error *err, const struct ap_gpu *gpu, st
 
 static enum ap_status view_layer(struct ap_error *err, const struct ap_gpu *gpu,
                                  struct sim_slot *slot, const struct sim_layer_view *view,
-                                 VkImageView *image_view) {
+                                 bool cube, VkImageView *image_view) {
     VkImageViewCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
         .image = view->image,
-        .viewType = VK_IMAGE_VIEW_TYPE_2D,
+        .viewType = cube ? VK_IMAGE_VIEW_TYPE_CUBE : VK_IMAGE_VIEW_TYPE_2D,
         .format = view->format,
-        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, view->array_layer, 1}};
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, view->array_layer, cube ? 6 : 1}};
     enum ap_status st = ap_vk_check(err, vkCreateImageView(gpu->device, &info, NULL, image_view),
                                     "vkCreateImageView");
     if (!st)
@@ -114,15 +114,16 @@ static enum ap_status view_layer(struct ap_error *err, const struct ap_gpu *gpu,
 
 enum ap_status sim_slot_bind(struct ap_error *err, const struct ap_gpu *gpu,
                              const struct sim_pass *pass, struct sim_slot *slot,
-                             const struct sim_layer_view *view, VkImageLayout layout,
-                             uint32_t layer, int eye) {
+                             const struct sim_layer *layer, uint32_t index, int eye,
+                             VkImageLayout layout) {
+    const struct sim_layer_view *view = &layer->view[eye];
     VkDescriptorImageInfo image = {.imageLayout = layout};
     enum ap_status st;
     if (view->samples > 1) {
         image.imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
         st = resolve(err, gpu, slot, view, layout, &image.imageView);
     } else {
-        st = view_layer(err, gpu, slot, view, &image.imageView);
+        st = view_layer(err, gpu, slot, view, layer->kind == SIM_LAYER_CUBE, &image.imageView);
     }
     if (st)
         return st;
@@ -131,7 +132,7 @@ enum ap_status sim_slot_bind(struct ap_error *err, const struct ap_gpu *gpu,
     bool filters = format.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
     image.sampler = filters ? pass->linear : pass->nearest;
     VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                  .dstSet = slot->sets[layer][eye],
+                                  .dstSet = slot->sets[index][eye],
                                   .descriptorCount = 1,
                                   .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                                   .pImageInfo = &image};

@@ -36,12 +36,12 @@ void sim_slot_recycle(const struct ap_gpu *gpu, struct sim_slot *slot);
 enum ap_status sim_slot_descriptors(struct ap_error *err, const struct ap_gpu *gpu,
                                     const struct sim_pass *pass, struct sim_slot *slot);
 
-// Makes a layer's view readable by the shader: sets[layer][eye]. The image is in `layout`, or in
+// Makes a layer's view readable by the shader: sets[index][eye]. The image is in `layout`, or in
 // TRANSFER_SRC_OPTIMAL or GENERAL if it is multisampled: then it is resolved first, by commands
 // put into slot->cmd.
 enum ap_status sim_slot_bind(struct ap_error *err, const struct ap_gpu *gpu,
                              const struct sim_pass *pass, struct sim_slot *slot,
-                             const struct sim_layer_view *view, VkImageLayout layout,
-                             uint32_t layer, int eye);
+                             const struct sim_layer *layer, uint32_t index, int eye,
+                             VkImageLayout layout);
 
 #endif
