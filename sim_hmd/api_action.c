@@ -168,6 +168,8 @@ XrResult XRAPI_CALL xrCreateAction(XrActionSet handle, const XrActionCreateInfo 
         free(action);
         return result;
     }
+    for (int top = 0; top < SIM_TOP_COUNT; top++)
+        set->top[top] |= action->top[top];
     *out = SIM_HANDLE(XrAction, action);
     return XR_SUCCESS;
 }

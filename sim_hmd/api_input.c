@@ -32,10 +32,7 @@ static XrResult check_active_sets(const struct sim_session *session,
         if (!sim_path_text(paths, active->subactionPath))
             return XR_ERROR_PATH_INVALID;
         int top = sim_path_top(paths, active->subactionPath);
-        bool declared = false;
-        for (struct sim_object *o = set->object.first_child; top >= 0 && o; o = o->next)
-            declared |= ((struct sim_action *)o)->top[top];
-        if (!declared)
+        if (top < 0 || !set->top[top])
             return XR_ERROR_PATH_UNSUPPORTED;
     }
     return XR_SUCCESS;

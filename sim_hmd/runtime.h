@@ -124,8 +124,9 @@ struct sim_action_set {
     char name[XR_MAX_ACTION_SET_NAME_SIZE];
     char localized[XR_MAX_LOCALIZED_ACTION_SET_NAME_SIZE];
     uint32_t priority;
-    bool attached;    // once, to a session that may be gone
-    uint64_t session; // its handle
+    bool top[SIM_TOP_COUNT]; // subaction paths that actions were made with, though they be gone
+    bool attached;           // once, to a session that may be gone
+    uint64_t session;        // its handle
 };
 
 struct sim_action_state {
