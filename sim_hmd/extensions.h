@@ -30,6 +30,7 @@
     X(KHR_vulkan_enable)                                                                           \
     X(KHR_convert_timespec_time)                                                                   \
     X(FB_display_refresh_rate)                                                                     \
+    X(KHR_visibility_mask)                                                                         \
     X(EXT_conformance_automation)
 
 #define SIM_EXTENSION_ID(name) SIM_##name,

@@ -63,6 +63,26 @@ static enum ap_status read_side(struct ap_error *err, const struct ap_json_at *a
     return AP_OK;
 }
 
+static enum ap_status read_hidden_area(struct ap_error *err, const struct ap_json_at *eye,
+                                       struct ap_eye_profile *out) {
+    static const char *const keys[] = {"outside_ellipse", NULL};
+    struct ap_json_at at = ap_json_member(eye, "hidden_area");
+    double e[4];
+    enum ap_status st = ap_json_check_keys(err, &at, keys);
+    if (!st)
+        st = ap_json_numbers(err, &at, "outside_ellipse", 4, e);
+    if (st)
+        return st;
+    struct ap_json_at ellipse = ap_json_member(&at, "outside_ellipse");
+    if (!(e[2] >= 1e-3 && e[2] <= 1e3 && e[3] >= 1e-3 && e[3] <= 1e3))
+        return ap_json_fail(err, &ellipse, "expected radii from 0.001 to 1000 (in tangents)");
+    if (!(e[0] > tan(out->left_rad) && e[0] < tan(out->right_rad) && e[1] > tan(out->down_rad) &&
+          e[1] < tan(out->up_rad)))
+        return ap_json_fail(err, &ellipse, "expected a center inside the field of view");
+    memcpy(out->seen, e, sizeof e);
+    return AP_OK;
+}
+
 static enum ap_status read_lens(struct ap_error *err, const struct ap_json_at *object,
                                 struct ap_eye_profile *out) {
     if (!ap_json_has(object, "lens"))
@@ -75,7 +95,8 @@ static enum ap_status read_lens(struct ap_error *err, const struct ap_json_at *o
 
 static enum ap_status read_eye(struct ap_error *err, const struct ap_json_at *eyes, const char *key,
                                struct ap_eye_profile *out) {
-    static const char *const keys[] = {"resolution_px", "fov_rad", "yaw_rad", "lens", NULL};
+    static const char *const keys[] = {"resolution_px", "fov_rad",     "yaw_rad",
+                                       "lens",          "hidden_area", NULL};
     struct ap_json_at at = ap_json_member(eyes, key);
     enum ap_status st = ap_json_check_keys(err, &at, keys);
     if (st)
@@ -92,6 +113,8 @@ static enum ap_status read_eye(struct ap_error *err, const struct ap_json_at *ey
         st = read_angle(err, &at, "yaw_rad", &out->yaw_rad);
     if (!st)
         st = read_lens(err, &at, out);
+    if (!st && ap_json_has(&at, "hidden_area"))
+        st = read_hidden_area(err, &at, out);
     return st;
 }
 
@@ -178,14 +201,20 @@ enum ap_status ap_headset_read(struct ap_error *err, const char *path,
 }
 
 static json_t *eye_to_json(const struct ap_eye_profile *eye) {
-    return json_pack("{s:[i,i], s:{s:f, s:f, s:f, s:f}, s:f}", "resolution_px", (int)eye->width_px,
-                     (int)eye->height_px, "fov_rad", "left", eye->left_rad, "right", eye->right_rad,
-                     "up", eye->up_rad, "down", eye->down_rad, "yaw_rad", eye->yaw_rad);
+    json_t *seen = NULL; // "o*" leaves out what is NULL
+    if (eye->seen[2] > 0)
+        seen = json_pack("{s:[f,f,f,f]}", "outside_ellipse", eye->seen[0], eye->seen[1],
+                         eye->seen[2], eye->seen[3]);
+    return json_pack("{s:[i,i], s:{s:f, s:f, s:f, s:f}, s:f, s:o*}", "resolution_px",
+                     (int)eye->width_px, (int)eye->height_px, "fov_rad", "left", eye->left_rad,
+                     "right", eye->right_rad, "up", eye->up_rad, "down", eye->down_rad, "yaw_rad",
+                     eye->yaw_rad, "hidden_area", seen);
 }
 
 // NULL where the eye is, or without memory.
 static json_t *with_lens(json_t *eye, const struct ap_lens *lens) {
-    if (!eye || lens->red_scale == 0 || json_object_set_new(eye, "lens", ap_lens_to_json(lens)) == 0)
+    if (!eye || lens->red_scale == 0 ||
+        json_object_set_new(eye, "lens", ap_lens_to_json(lens)) == 0)
         return eye;
     json_decref(eye);
     return NULL;

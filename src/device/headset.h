@@ -15,6 +15,9 @@ struct ap_eye_profile {
     double left_rad, right_rad, up_rad, down_rad; // signs as in XrFovf; |angle| < pi/2
     double yaw_rad;                               // about the eye's +y
     struct ap_lens lens;                          // red_scale 0: none is described
+    // What the lens lets see: an ellipse in tangents, center x, y (+y up) and radius x, y; its
+    // center lies in the fov. Radius 0: all of it.
+    double seen[4];
 };
 
 struct ap_headset_profile {

@@ -49,7 +49,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t len) {
 #ifndef ANTIPODE_LIBFUZZER
 int main(int argc, char **argv) {
     static const char eye[] = "{\"resolution_px\": [1440, 1600], \"fov_rad\": {\"left\": -0.9, "
-                              "\"right\": 0.8, \"up\": 0.85, \"down\": -0.85}, \"yaw_rad\": 0.1}";
+                              "\"right\": 0.8, \"up\": 0.85, \"down\": -0.85}, \"yaw_rad\": 0.1, "
+                              "\"hidden_area\": {\"outside_ellipse\": [0.1, 0, 1, 0.9]}}";
     static char seed[1024];
     snprintf(seed, sizeof seed,
              "{\"name\": \"x\", \"refresh_hz\": 90, \"ipd_m\": 0.064, \"eyes\": {\"left\": %s, "

@@ -92,6 +92,7 @@ static void test_odd_numbers_survive(void **unused) {
 #define SIZE(size)                                                                                 \
     "{\"name\": \"x\", \"refresh_hz\": 90, \"ipd_m\": 0.06, \"eyes\": {\"right\": "                \
     "{\"resolution_px\": " size "}, \"left\": " EYE "}}"
+#define HIDDEN(ellipse) FOV("-1", "1", "1", "-1}, \"hidden_area\": {\"outside_ellipse\": " ellipse)
 #define AIM(aim)                                                                                   \
     "{\"name\": \"x\", \"refresh_hz\": 90, \"ipd_m\": 0.06, " EYES ", \"grip_from_aim\": " aim "}"
 
@@ -121,6 +122,10 @@ static void test_refusals(void **unused) {
         {FOV("1", "1", "1", "-1"), ": /eyes/left/fov_rad: expected left < right"},
         {FOV("-1", "1", "-1", "1"), ": /eyes/left/fov_rad: expected down < up"},
         {FOV("-1", "1", "1", "-1, \"x\": 0"), ": /eyes/left/fov_rad/x: unknown key"},
+        {HIDDEN("[0, 0, 1]"), ": /eyes/left/hidden_area/outside_ellipse: expected an array of 4"},
+        {HIDDEN("[0, 0, 0, 1]"), ": /eyes/left/hidden_area/outside_ellipse: expected radii"},
+        {HIDDEN("[0, 0, 1, 1e9]"), ": /eyes/left/hidden_area/outside_ellipse: expected radii"},
+        {HIDDEN("[0, 2, 1, 1]"), ": /eyes/left/hidden_area/outside_ellipse: expected a center"},
         {AIM("{\"rotate\": [0, 0, 0, 2]}"), ": /grip_from_aim/rotate: expected a unit quaternion"},
         {AIM("{\"rotate\": [0, 0, 1]}"), ": /grip_from_aim/rotate: expected an array of 4"},
         {AIM("{\"position_m\": [0, 0, 3]}"), ": /grip_from_aim/position_m: expected an offset"},

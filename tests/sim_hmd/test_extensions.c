@@ -63,6 +63,7 @@ static void functions_come_with_their_extension(void **state) {
         {XR_KHR_VULKAN_ENABLE_EXTENSION_NAME, "xrGetVulkanGraphicsDeviceKHR"},
         {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME, "xrCreateVulkanDeviceKHR"},
         {XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, "xrRequestDisplayRefreshRateFB"},
+        {XR_KHR_VISIBILITY_MASK_EXTENSION_NAME, "xrGetVisibilityMaskKHR"},
     };
     client_settings(NULL);
     for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
@@ -231,6 +232,58 @@ static void refresh_rate_keeps_the_end(void **state) {
     client_stop(&c);
 }
 
+#define EYE(left, right, more)                                                                     \
+    "{\"resolution_px\": [64, 64], \"fov_rad\": {\"left\": " left ", \"right\": " right            \
+    ", \"up\": 0.7, \"down\": -0.7}" more "}"
+
+static void visibility_mask_is_the_profiles(void **state) {
+    (void)state;
+    client_settings(
+        "{\"clock\": \"virtual\", \"headset\": {\"name\": \"x\", \"refresh_hz\": 90, "
+        "\"ipd_m\": 0.06, \"eyes\": {\"left\": " EYE("-0.7", "0.6", "") ", \"right\": " EYE(
+            "-0.6", "0.7",
+            ", \"hidden_area\": {\"outside_ellipse\": "
+            "[0.05, 0, 0.8, 0.8]}") "}}}");
+    struct client c = {0};
+    start(&c, XR_KHR_VISIBILITY_MASK_EXTENSION_NAME);
+    PROC(&c, xrGetVisibilityMaskKHR);
+    const XrViewConfigurationType stereo = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
+    XrVector2f vertices[256];
+    uint32_t indices[512];
+    for (int type = 1; type <= 3; type++) {
+        XrVisibilityMaskTypeKHR t = (XrVisibilityMaskTypeKHR)type;
+        XrVisibilityMaskKHR mask = {.type = XR_TYPE_VISIBILITY_MASK_KHR, .vertexCountOutput = 9};
+        XR_OK(xrGetVisibilityMaskKHR_(c.session, stereo, 0, t, &mask));
+        assert_int_equal(mask.vertexCountOutput + mask.indexCountOutput, 0);
+        XR_OK(xrGetVisibilityMaskKHR_(c.session, stereo, 1, t, &mask));
+        assert_true(mask.vertexCountOutput > 3 && mask.indexCountOutput > 3);
+        mask.vertices = vertices;
+        mask.vertexCapacityInput = 256;
+        mask.indices = indices;
+        mask.indexCapacityInput = mask.indexCountOutput - 1;
+        XR_IS(XR_ERROR_SIZE_INSUFFICIENT, xrGetVisibilityMaskKHR_(c.session, stereo, 1, t, &mask));
+        mask.indexCapacityInput = 512;
+        XR_OK(xrGetVisibilityMaskKHR_(c.session, stereo, 1, t, &mask));
+        for (uint32_t i = 0; i < mask.indexCountOutput; i++) {
+            assert_true(indices[i] < mask.vertexCountOutput);
+            assert_true(fabsf(vertices[indices[i]].y) <= (float)tan(0.7));
+        }
+        mask.vertices = NULL;
+        XR_IS(XR_ERROR_VALIDATION_FAILURE, xrGetVisibilityMaskKHR_(c.session, stereo, 1, t, &mask));
+    }
+    XrVisibilityMaskKHR mask = {.type = XR_TYPE_VISIBILITY_MASK_KHR};
+    const XrVisibilityMaskTypeKHR line = XR_VISIBILITY_MASK_TYPE_LINE_LOOP_KHR;
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, xrGetVisibilityMaskKHR_(c.session, stereo, 2, line, &mask));
+    XR_IS(XR_ERROR_VALIDATION_FAILURE,
+          xrGetVisibilityMaskKHR_(c.session, stereo, 1, (XrVisibilityMaskTypeKHR)7, &mask));
+    XR_IS(XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
+          xrGetVisibilityMaskKHR_(c.session, XR_VIEW_CONFIGURATION_TYPE_PRIMARY_MONO, 0, line,
+                                  &mask));
+    mask.type = XR_TYPE_UNKNOWN;
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, xrGetVisibilityMaskKHR_(c.session, stereo, 1, line, &mask));
+    client_stop(&c);
+}
+
 static void timespec_goes_there_and_back(void **state) {
     (void)state;
     client_settings(NULL);
@@ -305,13 +358,10 @@ static void format_list_is_checked(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        TEST(functions_come_with_their_extension),
-        TEST(local_floor_is_local_on_the_floor),
-        TEST(depth_range_is_filled_where_enabled),
-        TEST(refresh_rate_changes_the_grid),
-        TEST(refresh_rate_keeps_the_end),
-        TEST(timespec_goes_there_and_back),
-        TEST(format_list_is_checked),
+        TEST(functions_come_with_their_extension), TEST(local_floor_is_local_on_the_floor),
+        TEST(depth_range_is_filled_where_enabled), TEST(refresh_rate_changes_the_grid),
+        TEST(refresh_rate_keeps_the_end),          TEST(visibility_mask_is_the_profiles),
+        TEST(timespec_goes_there_and_back),        TEST(format_list_is_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
