@@ -60,6 +60,8 @@ static int candidates(const struct ap_inputlog *log, const char *path, int top,
     // What a simple controller selects with is a trigger, here as in the pose logs.
     if (strcmp(path, "/input/select/click") == 0)
         n += candidates(log, "/input/trigger/click", top, list + n);
+    else if (strcmp(path, "/input/trigger/value") == 0 || strcmp(path, "/input/trigger/click") == 0)
+        n = add(log, top, "/input/select/click", 0, false, list, n);
     return n;
 }
 

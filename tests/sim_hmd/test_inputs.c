@@ -75,6 +75,12 @@ static void one_log_drives_many_kinds(void **state) {
     reads(log, "khr/simple_controller", "/user/hand/right/input/select/click", 0, 0);
     silent(log, "khr/simple_controller", "/user/hand/left/input/menu/click");
     ap_inputlog_destroy(log);
+    log = load("0,left,/input/select/click,1\n");
+    reads(log, "oculus/touch_controller", "/user/hand/left/input/trigger/value", 1, 0);
+    reads(log, "htc/vive_controller", "/user/hand/left/input/trigger/click", 1, 0);
+    silent(log, "oculus/touch_controller", "/user/hand/left/input/trigger/touch");
+    silent(log, "oculus/touch_controller", "/user/hand/left/input/squeeze/value");
+    ap_inputlog_destroy(log);
 }
 
 static void what_is_said_goes_before_what_follows(void **state) {
