@@ -43,7 +43,8 @@ static bool should_render(const struct sim_session *session, int64_t index) {
         return false;
     if (session->pacer.clock == SIM_CLOCK_REAL)
         return true;
-    return sim_settings_captures(&session->instance->settings, index) ||
+    const struct sim_settings *settings = &session->instance->settings;
+    return settings->draw_all || sim_settings_captures(settings, index) ||
            sim_compositor_wants_frames(session->compositor);
 }
 
@@ -99,6 +100,8 @@ XrResult XRAPI_CALL xrBeginFrame(XrSession handle, const XrFrameBeginInfo *info)
     if (!session->waited)
         return XR_ERROR_CALL_ORDER_INVALID;
     bool discarded = session->begun;
+    session->discarded += discarded;
+    session->missed += session->waited_frame.missed;
     session->begun = true;
     session->begun_frame = session->waited_frame;
     session->waited = false;
@@ -124,12 +127,35 @@ static XrResult check_end(const struct sim_session *session, const XrFrameEndInf
     }
 }
 
+// How long before its display time the begun frame is ended; negative: too late for it.
+static int64_t margin_ns(const struct sim_session *session) {
+    if (session->pacer.clock == SIM_CLOCK_VIRTUAL)
+        return 0;
+    return session->begun_frame.display_ns - sim_pacer_now(&session->pacer, ap_clock_now_ns());
+}
+
+static void count_frame(struct sim_session *session, int64_t margin) {
+    struct sim_frame_counts *counts = &session->counts;
+    if (!counts->shown || margin < counts->margin_least_ns)
+        counts->margin_least_ns = margin;
+    counts->margin_sum_ns += (double)margin;
+    counts->late += margin < 0;
+    counts->shown++;
+    counts->discarded += session->discarded;
+    counts->missed += session->missed;
+    session->discarded = session->missed = 0;
+}
+
 // The headset shows the frame when it was predicted, whatever time the program names.
-static XrResult show_frame(struct sim_session *session, const XrFrameEndInfo *info) {
+static XrResult show_frame(struct sim_session *session, const XrFrameEndInfo *info,
+                           int64_t margin) {
     static struct sim_frame frame; // large; the lock guards it
     memset(&frame, 0, sizeof frame);
     frame.index = session->begun_frame.index;
     frame.display_time = session->begun_frame.display_ns;
+    frame.discarded = session->discarded;
+    frame.missed = session->missed;
+    frame.margin_ns = margin;
     XrResult result = sim_layers_resolve(session, info, &frame);
     if (result != XR_SUCCESS || !session->compositor)
         return result;
@@ -152,12 +178,14 @@ XrResult XRAPI_CALL xrEndFrame(XrSession handle, const XrFrameEndInfo *info) {
         return result;
     if (!sim_is(info, XR_TYPE_FRAME_END_INFO))
         return XR_ERROR_VALIDATION_FAILURE;
+    int64_t margin = margin_ns(session);
     result = check_end(session, info);
     if (result == XR_SUCCESS)
-        result = show_frame(session, info);
+        result = show_frame(session, info, margin);
     if (result != XR_SUCCESS)
         return result;
     session->begun = false;
+    count_frame(session, margin);
     if (past_the_end(session, session->begun_frame.index + 1))
         sim_session_ask_to_end(session);
     return XR_SUCCESS;

@@ -63,6 +63,7 @@ static XrResult open_device(struct sim_session *session, const XrGraphicsBinding
 
 static void free_session(struct sim_object *object) {
     struct sim_session *session = (struct sim_session *)object;
+    sim_session_report(session);
     if (!session->headless && session->gpu.device) {
         sim_session_collect_garbage(session);
         sim_compositor_destroy(session->compositor);

@@ -64,7 +64,12 @@ struct sim_layer {
 struct sim_frame {
     int64_t index; // k: frames since the session began
     XrTime display_time;
-    bool capture;                     // the settings ask for this frame's pictures
+    // Since the frame that was shown before this one: frames that the program began and did not
+    // end, and display periods for which it was too late. Periods are missed on the real clock
+    // only.
+    int64_t discarded, missed;
+    int64_t margin_ns; // xrEndFrame came so long before the display time; 0 on the virtual clock
+    bool capture;      // the settings ask for this frame's pictures
     struct ap_pose stage_from_eye[2]; // the display's
     XrFovf fov[2];
     uint32_t layer_count; // 0: black

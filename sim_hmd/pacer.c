@@ -44,10 +44,12 @@ struct sim_prediction sim_pacer_next(struct sim_pacer *pacer, int64_t machine_ns
         int64_t now = sim_pacer_now(pacer, machine_ns);
         if (!pacer->first_ns)
             pacer->first_ns = now + period;
+        int64_t before = pacer->grid;
         pacer->grid = next_on_grid(pacer, now);
         p.display_ns = ap_frame_time_ns(pacer->first_ns, pacer->grid, pacer->refresh_hz);
         while (p.display_ns <= now)
             p.display_ns = ap_frame_time_ns(pacer->first_ns, ++pacer->grid, pacer->refresh_hz);
+        p.missed = pacer->grid - before - 1;
         p.wake_machine_ns = p.display_ns - period - SIM_FIRST_TIME_NS + pacer->epoch_ns;
     }
     pacer->last_ns = p.display_ns;

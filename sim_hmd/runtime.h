@@ -74,6 +74,12 @@ struct sim_session {
     // The frame loop: waited frames that are not begun, and the begun one that is not ended.
     bool waited, begun;
     struct sim_prediction waited_frame, begun_frame;
+    int64_t discarded, missed; // since the last frame that was shown
+    struct sim_frame_counts {
+        int64_t shown, discarded, missed, late;
+        int64_t margin_least_ns;
+        double margin_sum_ns;
+    } counts;
     // Images of swapchains that were destroyed while the queue may still have worked on them.
     struct sim_garbage *garbage;
     // Actions. The bindings are those that were suggested when the sets were attached.
@@ -197,6 +203,8 @@ bool sim_session_shows(const struct sim_session *session);
 void sim_session_show(struct sim_session *session);
 void sim_session_ask_to_end(struct sim_session *session);
 void sim_session_lose(struct sim_session *session, const char *what);
+// One line on the frames so far: what was missed, and by how much.
+void sim_session_report(const struct sim_session *session);
 void sim_session_collect_garbage(struct sim_session *session);
 
 // api_vulkan.c: the device that programs must use, the fastest kind there is.

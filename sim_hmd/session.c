@@ -43,6 +43,17 @@ void sim_session_lose(struct sim_session *session, const char *what) {
     sim_wake();
 }
 
+void sim_session_report(const struct sim_session *session) {
+    const struct sim_frame_counts *c = &session->counts;
+    if (session->pacer.clock != SIM_CLOCK_REAL || !c->shown)
+        return;
+    ap_log(AP_LOG_INFO,
+           "%lld frames: %lld display periods missed, %lld frames discarded, %lld ended late; "
+           "%.1f ms to the display on average, %.1f at the least",
+           (long long)c->shown, (long long)c->missed, (long long)c->discarded, (long long)c->late,
+           c->margin_sum_ns / (double)c->shown * 1e-6, (double)c->margin_least_ns * 1e-6);
+}
+
 void sim_session_collect_garbage(struct sim_session *session) {
     if (!session->garbage)
         return;

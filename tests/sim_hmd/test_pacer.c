@@ -37,6 +37,7 @@ static void a_late_program_skips_places_of_the_grid(void **state) {
     assert_int_equal(f.display_ns, 1063 * ms);
     assert_true(f.wake_machine_ns <= epoch + 61 * ms);
     assert_int_equal(f.index, 2);
+    assert_int_equal(f.missed, 3); // places 2, 3 and 4: the one before was 1
     int64_t last = f.display_ns;
     for (int64_t now = 61; now < 1000; now += 7) { // never back, never in the past, on the grid
         f = sim_pacer_next(&p, epoch + now * ms);
