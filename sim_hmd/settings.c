@@ -10,7 +10,7 @@
 
 static const char *const top_keys[] = {"headset",          "poses",       "clock",   "refresh_hz",
                                        "refresh_rates_hz", "frames",      "capture", "window",
-                                       "inputs",           "controllers", NULL};
+                                       "inputs",           "controllers", "draw",    NULL};
 static const char *const log_keys[] = {"logs", "up", "head_frame", "skip_bad", "table_at", NULL};
 static const char *const script_keys[] = {"script",     "table_edge_m", "table_height_m",
                                           "duration_s", "seed",         NULL};
@@ -316,6 +316,8 @@ static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *ro
         st = settle_rates(err, root, s);
     if (!st && ap_json_has(root, "frames"))
         st = read_count(err, root, "frames", &s->frames);
+    if (!st)
+        st = read_choice(err, root, "draw", "captured", "all", &s->draw_all);
     if (!st && ap_json_has(root, "capture"))
         st = read_capture(err, root, s);
     if (!st && ap_json_has(root, "inputs"))

@@ -35,6 +35,7 @@ struct sim_settings {
     int64_t frames;    // 0: no limit
     char *capture_dir; // NULL: no capture
     struct ap_range capture_frames;
+    bool draw_all; // on the virtual clock, too, frames that nobody looks at have shouldRender
     bool window;
 };
 

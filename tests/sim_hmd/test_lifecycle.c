@@ -74,6 +74,20 @@ static void the_settings_may_ask_for_fewer_frames(void **state) {
     client_stop(&c);
 }
 
+static void every_frame_is_rendered_where_asked(void **state) {
+    (void)state;
+    client_settings("{\"clock\": \"virtual\", \"frames\": 3, \"draw\": \"all\"}");
+    struct client c = {0};
+    client_start(&c);
+    for (int k = 0; k < 4; k++) {
+        XrFrameState f = client_wait(&c);
+        assert_int_equal(f.shouldRender, k < 3); // what comes after the last nobody sees
+        client_begin(&c);
+        client_end_empty(&c, f.predictedDisplayTime);
+    }
+    client_stop(&c);
+}
+
 static void captured_frames_are_rendered_and_others_are_not(void **state) {
     (void)state;
     char json[512];
@@ -319,6 +333,7 @@ int main(void) {
         cmocka_unit_test_teardown(a_log_on_the_virtual_clock_gives_exactly_its_frames,
                                   client_teardown),
         cmocka_unit_test_teardown(the_settings_may_ask_for_fewer_frames, client_teardown),
+        cmocka_unit_test_teardown(every_frame_is_rendered_where_asked, client_teardown),
         cmocka_unit_test_teardown(captured_frames_are_rendered_and_others_are_not, client_teardown),
         cmocka_unit_test_teardown(states_come_in_their_order, client_teardown),
         cmocka_unit_test_teardown(frame_calls_out_of_order_are_refused, client_teardown),
