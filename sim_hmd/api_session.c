@@ -7,9 +7,11 @@
 // Sessions: creation on the program's Vulkan device, and the calls that move the state machine.
 
 // In the order of preference. The first sRGB one is what programs take.
-static const VkFormat colour_formats[] = {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_SRGB,
-                                          VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_B8G8R8A8_UNORM,
-                                          VK_FORMAT_R16G16B16A16_SFLOAT};
+static const VkFormat colour_formats[] = {
+    VK_FORMAT_R8G8B8A8_SRGB,          VK_FORMAT_B8G8R8A8_SRGB,
+    VK_FORMAT_R8G8B8A8_UNORM,         VK_FORMAT_B8G8R8A8_UNORM,
+    VK_FORMAT_R16G16B16A16_SFLOAT,    VK_FORMAT_A2B10G10R10_UNORM_PACK32,
+    VK_FORMAT_B10G11R11_UFLOAT_PACK32};
 static const VkFormat depth_formats[] = {VK_FORMAT_D32_SFLOAT, VK_FORMAT_D16_UNORM,
                                          VK_FORMAT_D24_UNORM_S8_UINT, VK_FORMAT_D32_SFLOAT_S8_UINT};
 

@@ -90,12 +90,15 @@ static XrResult check_info(const struct sim_session *session, const XrSwapchainC
         listed |= session->formats[i] == info->format;
     if (!listed)
         return XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED;
-    if (!info->width || !info->height || !info->arraySize || !info->mipCount ||
-        !power_of_two(info->sampleCount) || (info->faceCount != 1 && info->faceCount != 6))
+    if (!info->width || !info->height || !info->arraySize || info->arraySize > UINT32_MAX / 6 ||
+        !info->mipCount || !power_of_two(info->sampleCount) ||
+        (info->faceCount != 1 && info->faceCount != 6))
         return XR_ERROR_VALIDATION_FAILURE;
     if (info->mipCount > most_mips(info->width, info->height))
         return XR_ERROR_VALIDATION_FAILURE;
-    if (info->createFlags & XR_SWAPCHAIN_CREATE_PROTECTED_CONTENT_BIT || info->faceCount != 1)
+    if (info->faceCount == 6 && info->width != info->height)
+        return XR_ERROR_VALIDATION_FAILURE;
+    if (info->createFlags & XR_SWAPCHAIN_CREATE_PROTECTED_CONTENT_BIT)
         return XR_ERROR_FEATURE_UNSUPPORTED;
     bool depth = aspect_of((VkFormat)info->format) != VK_IMAGE_ASPECT_COLOR_BIT;
     if (info->usageFlags & (depth ? XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT
@@ -105,16 +108,19 @@ static XrResult check_info(const struct sim_session *session, const XrSwapchainC
 }
 
 static VkImageCreateInfo image_info(const XrSwapchainCreateInfo *info, bool depth) {
+    VkImageCreateFlags flags = 0;
+    if (info->usageFlags & XR_SWAPCHAIN_USAGE_MUTABLE_FORMAT_BIT)
+        flags |= VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT;
+    if (info->faceCount == 6)
+        flags |= VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT;
     return (VkImageCreateInfo){
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-        .flags = info->usageFlags & XR_SWAPCHAIN_USAGE_MUTABLE_FORMAT_BIT
-                     ? VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT
-                     : 0,
+        .flags = flags,
         .imageType = VK_IMAGE_TYPE_2D,
         .format = (VkFormat)info->format,
         .extent = {info->width, info->height, 1},
         .mipLevels = info->mipCount,
-        .arrayLayers = info->arraySize,
+        .arrayLayers = info->arraySize * info->faceCount,
         .samples = (VkSampleCountFlagBits)info->sampleCount,
         .tiling = VK_IMAGE_TILING_OPTIMAL,
         .usage = usage_of(info->usageFlags, depth),

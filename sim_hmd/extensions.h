@@ -23,6 +23,11 @@
     X(MND_headless)                                                                                \
     X(KHR_vulkan_swapchain_format_list)                                                            \
     X(EXT_view_configuration_depth_range)                                                          \
+    X(KHR_composition_layer_depth)                                                                 \
+    X(KHR_composition_layer_cylinder)                                                              \
+    X(KHR_composition_layer_equirect)                                                              \
+    X(KHR_composition_layer_equirect2)                                                             \
+    X(KHR_composition_layer_cube)                                                                  \
     X(EXT_local_floor)
 
 #define SIM_FUNCTION_EXTENSIONS(X)                                                                 \

@@ -50,13 +50,20 @@ int client_teardown(void **state) {
     return 0;
 }
 
+static const char *extensions[16] = {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME};
+static uint32_t extension_count = 1;
+
+void client_extensions(const char *const *names, uint32_t count) {
+    for (extension_count = 1; extension_count <= count && extension_count < 16; extension_count++)
+        extensions[extension_count] = names[extension_count - 1];
+}
+
 XrResult client_try_instance(XrInstance *instance) {
-    const char *extension = XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME;
     XrInstanceCreateInfo info = {
         .type = XR_TYPE_INSTANCE_CREATE_INFO,
         .applicationInfo = {.applicationName = "test", .apiVersion = XR_MAKE_VERSION(1, 0, 0)},
-        .enabledExtensionCount = 1,
-        .enabledExtensionNames = &extension};
+        .enabledExtensionCount = extension_count,
+        .enabledExtensionNames = extensions};
     XrResult result = xrCreateInstance(&info, instance);
     last_instance = result == XR_SUCCESS ? *instance : XR_NULL_HANDLE;
     return result;

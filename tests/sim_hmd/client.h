@@ -42,6 +42,9 @@ const char *client_folder(void);
 // ANTIPODE_SIM names a file with this text; NULL: it is not set.
 void client_settings(const char *json);
 
+// What instances made from now on enable besides XR_KHR_vulkan_enable2.
+void client_extensions(const char *const *names, uint32_t count);
+
 XrResult client_try_instance(XrInstance *instance);
 void client_make_instance(struct client *c);
 void client_make_device(struct client *c); // by XR_KHR_vulkan_enable2

@@ -355,7 +355,7 @@ static void layers_are_checked(void **state) {
     l.projection.space = XR_NULL_HANDLE;
     XR_IS(XR_ERROR_HANDLE_INVALID, xrEndFrame(c.session, &l.end));
     make_layer(&c, s, time, &l);
-    l.projection.type = XR_TYPE_COMPOSITION_LAYER_QUAD;
+    l.projection.type = XR_TYPE_COMPOSITION_LAYER_CUBE_KHR; // its extension is not enabled
     XR_IS(XR_ERROR_LAYER_INVALID, xrEndFrame(c.session, &l.end));
     make_layer(&c, s, time, &l);
     l.list[0] = NULL;
