@@ -103,10 +103,10 @@ static bool read_summary(const char *path, int64_t *errors, int64_t *warnings) {
 
 static enum ap_status judge(struct ap_error *err, const struct sim_run *run, const char *program) {
     int64_t errors, warnings;
+    if (!ap_file_exists(run->report))
+        return ap_fail(err, AP_DIFFERS, "--strict: %s made no OpenXR instance", program);
     if (!read_summary(run->report, &errors, &warnings))
-        return ap_fail(err, AP_DIFFERS,
-                       "--strict: there is no report: %s made no OpenXR instance, or did not "
-                       "destroy it",
+        return ap_fail(err, AP_DIFFERS, "--strict: %s ended before its calls could be summed up",
                        program);
     if (errors == 0)
         return AP_OK;
@@ -166,7 +166,14 @@ static enum ap_status run_sim(struct ap_error *err, int argc, char **argv) {
         {"capture-frames", AP_OPTION_TEXT, &o.capture_frames, "A:B:STEP",
          "which frames, half open (all)"},
         {"layers", AP_OPTION_FLAG, &o.layers, "", "capture what the program submitted, too"},
+        {"lens", AP_OPTION_FLAG, &o.lens, "", "capture as the headset's lens wants it"},
+        {"format", AP_OPTION_CHOICE, &o.format, "png|raw", "of the pictures; raw is PAM (png)"},
+        {"log", AP_OPTION_CHOICE, &o.log, "captured|all", "frames in DIR/frames.jsonl (captured)"},
         {"force", AP_OPTION_FLAG, &o.force, "", "replace a capture in DIR"},
+        {"draw-all", AP_OPTION_FLAG, &o.draw_all, "",
+         "virtual clock: frames that are not captured are drawn, too"},
+        {"controllers", AP_OPTION_TEXT, &o.controllers, "PROFILE",
+         "what the hands hold, as valve/index_controller"},
         {"window", AP_OPTION_FLAG, &o.window, "", "show the eyes in a window"},
         {"strict", AP_OPTION_FLAG, &o.strict, "", "report calls that break the specification"},
         AP_LOG_OPTION_TABLE(o.logs),

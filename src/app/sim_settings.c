@@ -86,12 +86,18 @@ static enum ap_status check_numbers(struct ap_error *err, const struct ap_sim_op
     return AP_OK;
 }
 
+static bool wants_capture(const struct ap_sim_options *o) {
+    return o->capture_frames || o->layers || o->lens || o->format || o->log || o->force;
+}
+
 enum ap_status ap_sim_check(struct ap_error *err, const struct ap_sim_options *o) {
     struct ap_range range;
     double x, z, yaw;
     enum ap_status st = check_numbers(err, o);
-    if (!st && !o->capture && (o->capture_frames || o->layers || o->force))
-        st = ap_fail(err, AP_USAGE, "--capture-frames, --layers and --force need --capture DIR");
+    if (!st && !o->capture && wants_capture(o))
+        st = ap_fail(err, AP_USAGE,
+                     "--capture-frames, --layers, --lens, --format, --log and --force need "
+                     "--capture DIR");
     if (!st && o->capture_frames)
         st = ap_range_parse(err, o->capture_frames, &range);
     if (!st && o->logs.table_at)
@@ -102,6 +108,8 @@ enum ap_status ap_sim_check(struct ap_error *err, const struct ap_sim_options *o
 }
 
 // --- the settings
+
+static const char PROFILES[] = "/interaction_profiles/";
 
 // The program may change its folder, so every path is made absolute. NULL without memory.
 static char *absolute(const char *path) {
@@ -170,6 +178,12 @@ static json_t *capture_json(const struct ap_sim_options *o) {
         ok = set(capture, "frames", json_string(o->capture_frames)) && ok;
     if (o->layers)
         ok = set(capture, "layers", json_true()) && ok;
+    if (o->lens)
+        ok = set(capture, "lens", json_true()) && ok;
+    if (o->format)
+        ok = set(capture, "format", json_string(o->format)) && ok;
+    if (o->log)
+        ok = set(capture, "log", json_string(o->log)) && ok;
     if (ok)
         return capture;
     json_decref(capture);
@@ -183,6 +197,12 @@ static json_t *settings_json(const struct ap_sim_options *o, const char *strict_
     bool ok = set(root, "poses", poses_json(o));
     if (o->headset)
         ok = ok && set(root, "headset", headset_json(o->headset));
+    if (o->controllers)
+        ok = ok &&
+             set(root, "controllers",
+                 json_sprintf("%s%s", o->controllers[0] == '/' ? "" : PROFILES, o->controllers));
+    if (o->draw_all)
+        ok = ok && set(root, "draw", json_string("all"));
     if (o->inputs.count)
         ok = ok && set(root, "inputs", inputs_json(o));
     if (!isnan(o->refresh_hz))
