@@ -1,0 +1,18 @@
+#ifndef ANTIPODE_DEVICE_HANDLOG_FORMAT_H
+#define ANTIPODE_DEVICE_HANDLOG_FORMAT_H
+
+#include "src/device/handlog.h"
+
+// What the readers of the formats share.
+
+// Appends. AP_INPUT, without a place, where the time is not after the hand's last one.
+enum ap_status ap_handlog_add(struct ap_error *err, struct ap_handlog *log, int hand, int64_t t_ns,
+                              const struct ap_hand *frame);
+
+// The palm is the middle of the middle finger's metacarpal, turned like it.
+void ap_hand_derive_palm(struct ap_hand *hand);
+
+enum ap_status ap_handlog_read_csv(struct ap_error *err, const char *path, struct ap_handlog *log);
+enum ap_status ap_handlog_read_iwer(struct ap_error *err, const char *path, struct ap_handlog *log);
+
+#endif
