@@ -80,6 +80,7 @@ XrResult XRAPI_CALL xrWaitFrame(XrSession handle, const XrFrameWaitInfo *info,
     result = sleep_until(handle, frame.wake_machine_ns, &session);
     if (result != XR_SUCCESS)
         return result;
+    session->waited_frame.waited_ns = sim_pacer_now(&session->pacer, ap_clock_now_ns());
     take_window_input(session, &frame);
     state->predictedDisplayTime = frame.display_ns;
     state->predictedDisplayPeriod = frame.period_ns;
@@ -104,6 +105,7 @@ XrResult XRAPI_CALL xrBeginFrame(XrSession handle, const XrFrameBeginInfo *info)
     session->missed += session->waited_frame.missed;
     session->begun = true;
     session->begun_frame = session->waited_frame;
+    session->begun_frame.begun_ns = sim_pacer_now(&session->pacer, ap_clock_now_ns());
     session->waited = false;
     sim_wake();
     return discarded ? XR_FRAME_DISCARDED : XR_SUCCESS;
@@ -159,10 +161,13 @@ static XrResult show_frame(struct sim_session *session, const XrFrameEndInfo *in
     XrResult result = sim_layers_resolve(session, info, &frame);
     if (result != XR_SUCCESS || !session->compositor)
         return result;
-    frame.capture = !past_the_end(session, frame.index) &&
-                    sim_settings_captures(&session->instance->settings, frame.index);
+    const struct sim_settings *settings = &session->instance->settings;
+    bool seen = !past_the_end(session, frame.index);
+    bool captured = seen && sim_settings_captures(settings, frame.index);
+    frame.capture = captured && settings->capture_composed;
     struct ap_error err;
-    if (sim_compositor_frame(&err, session->compositor, &frame)) {
+    if ((seen && sim_session_capture_frame(&err, session, info, &frame, captured)) ||
+        sim_compositor_frame(&err, session->compositor, &frame)) {
         sim_session_lose(session, err.text);
         return XR_ERROR_SESSION_LOST;
     }

@@ -56,7 +56,8 @@ static XrResult open_device(struct sim_session *session, const XrGraphicsBinding
     list_formats(session, depth_formats, sizeof depth_formats / sizeof *depth_formats,
                  VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT);
     if (sim_compositor_create(&err, &session->gpu, &session->instance->settings,
-                              &session->compositor)) {
+                              &session->compositor) ||
+        sim_session_capture_open(&err, session)) {
         ap_log(AP_LOG_ERROR, "%s", err.text);
         return XR_ERROR_RUNTIME_FAILURE;
     }
@@ -68,6 +69,7 @@ static void free_session(struct sim_object *object) {
     sim_session_report(session);
     if (!session->headless && session->gpu.device) {
         sim_session_collect_garbage(session);
+        sim_session_capture_close(session);
         sim_compositor_destroy(session->compositor);
         ap_gpu_finish(&session->gpu);
     }
@@ -204,7 +206,8 @@ XrResult XRAPI_CALL xrEndSession(XrSession handle) {
     if (session->state != XR_SESSION_STATE_STOPPING)
         return XR_ERROR_SESSION_NOT_STOPPING;
     struct ap_error err;
-    if (session->compositor && sim_compositor_flush(&err, session->compositor)) {
+    if (session->compositor && (sim_compositor_flush(&err, session->compositor) ||
+                                sim_session_capture_flush(&err, session))) {
         sim_session_lose(session, err.text);
         return XR_ERROR_SESSION_LOST;
     }

@@ -1,6 +1,7 @@
 #include "sim_hmd/capture.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
@@ -8,11 +9,12 @@
 #include <string.h>
 
 #include "src/base/file.h"
+#include "src/image/lens.h"
 
 enum { MAX_THREADS = 8, MAX_JOBS = 64 };
 
 struct sim_capture {
-    char *dir;
+    const struct sim_settings *settings; // NULL: nothing is written
     pthread_t threads[MAX_THREADS];
     int thread_count;
     pthread_mutex_t lock;
@@ -68,8 +70,8 @@ static enum ap_status start_threads(struct ap_error *err, struct sim_capture *c,
     return AP_OK;
 }
 
-enum ap_status sim_capture_create(struct ap_error *err, const char *dir, int threads,
-                                  struct sim_capture **capture) {
+enum ap_status sim_capture_create(struct ap_error *err, const struct sim_settings *settings,
+                                  int threads, struct sim_capture **capture) {
     struct sim_capture *c = calloc(1, sizeof *c);
     if (!c)
         return ap_fail(err, AP_ENVIRONMENT, "out of memory");
@@ -77,9 +79,9 @@ enum ap_status sim_capture_create(struct ap_error *err, const char *dir, int thr
     pthread_cond_init(&c->work, NULL);
     pthread_cond_init(&c->room, NULL);
     enum ap_status st = AP_OK;
-    if (dir) {
-        c->dir = strdup(dir);
-        st = c->dir ? ap_make_dirs(err, dir) : ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    if (settings && settings->capture_dir) {
+        c->settings = settings;
+        st = ap_make_dirs(err, settings->capture_dir);
     }
     if (!st)
         st = start_threads(err, c, threads < 1 ? 1 : threads);
@@ -100,16 +102,67 @@ void sim_capture_add(struct sim_capture *c, const struct sim_capture_job *job) {
     pthread_mutex_unlock(&c->lock);
 }
 
-enum ap_status sim_capture_write(struct ap_error *err, const struct sim_capture *c, int64_t frame,
-                                 int eye, const struct ap_pixels *pixels) {
-    char name[64];
-    snprintf(name, sizeof name, "%06" PRId64 "-%s.png", frame, eye ? "right" : "left");
-    char *path = ap_path_join(c->dir, name);
+void sim_capture_name(const struct sim_settings *settings, int64_t frame, int layer, int eye,
+                      char name[SIM_CAPTURE_NAME_MAX]) {
+    char which[24] = "";
+    if (layer >= 0)
+        snprintf(which, sizeof which, "-layer%d", layer);
+    snprintf(name, SIM_CAPTURE_NAME_MAX, "%06" PRId64 "%s%s.%s", frame, which,
+             eye < 0    ? ""
+             : eye == 0 ? "-left"
+                        : "-right",
+             settings->capture_raw ? "pam" : "png");
+}
+
+static enum ap_status write_picture(struct ap_error *err, const struct sim_capture *c,
+                                    const char *name, const struct ap_pixels *pixels,
+                                    unsigned flags) {
+    char *path = ap_path_join(c->settings->capture_dir, name);
     if (!path)
         return ap_fail(err, AP_ENVIRONMENT, "out of memory");
-    enum ap_status st = ap_png_write_pixels(err, path, pixels);
+    enum ap_status st = c->settings->capture_raw
+                            ? ap_pam_write_pixels(err, path, pixels, flags & AP_PNG_LINEAR)
+                            : ap_png_write_pixels_as(err, path, pixels, flags);
     free(path);
     return st;
+}
+
+static enum ap_status write_through_lens(struct ap_error *err, const struct sim_capture *c,
+                                         const char *name, int eye,
+                                         const struct ap_pixels *pixels) {
+    const struct ap_eye_profile *p = &c->settings->profile.eye[eye];
+    struct ap_lens_view view = {.left = tan(p->left_rad),
+                                .right = tan(p->right_rad),
+                                .up = tan(p->up_rad),
+                                .down = tan(p->down_rad),
+                                .k1 = p->lens.k1,
+                                .k2 = p->lens.k2,
+                                .scale = {p->lens.red_scale, 1, p->lens.blue_scale}};
+    uint8_t *rgba = malloc((size_t)pixels->width * pixels->height * 4);
+    if (!rgba)
+        return ap_fail(err, AP_ENVIRONMENT, "%s: no memory for the lens", name);
+    ap_pixels_through_lens(pixels, &view, rgba);
+    struct ap_pixels seen = {rgba, pixels->width, pixels->height, (size_t)pixels->width * 4, false};
+    enum ap_status st = write_picture(err, c, name, &seen, 0);
+    free(rgba);
+    return st;
+}
+
+enum ap_status sim_capture_write(struct ap_error *err, const struct sim_capture *c, int64_t frame,
+                                 int eye, const struct ap_pixels *pixels) {
+    char name[SIM_CAPTURE_NAME_MAX];
+    sim_capture_name(c->settings, frame, -1, eye, name);
+    return c->settings->capture_lens ? write_through_lens(err, c, name, eye, pixels)
+                                     : write_picture(err, c, name, pixels, 0);
+}
+
+enum ap_status sim_capture_write_layer(struct ap_error *err, const struct sim_capture *c,
+                                       const struct sim_capture_layer *which,
+                                       const struct ap_pixels *pixels) {
+    char name[SIM_CAPTURE_NAME_MAX];
+    sim_capture_name(c->settings, which->frame, which->layer, which->eye, name);
+    return write_picture(err, c, name, pixels,
+                         (which->alpha ? AP_PNG_ALPHA : 0u) | (which->linear ? AP_PNG_LINEAR : 0u));
 }
 
 enum ap_status sim_capture_error(struct ap_error *err, struct sim_capture *c) {
@@ -141,6 +194,5 @@ void sim_capture_destroy(struct sim_capture *c) {
     pthread_cond_destroy(&c->room);
     pthread_cond_destroy(&c->work);
     pthread_mutex_destroy(&c->lock);
-    free(c->dir);
     free(c);
 }

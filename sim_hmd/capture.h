@@ -3,6 +3,7 @@
 
 #include <stdint.h>
 
+#include "sim_hmd/settings.h"
 #include "src/base/status.h"
 #include "src/image/image.h"
 
@@ -17,16 +18,35 @@ struct sim_capture_job {
     int what;
 };
 
-// dir is made; NULL: the jobs write nowhere. AP_ENVIRONMENT.
-enum ap_status sim_capture_create(struct ap_error *err, const char *dir, int threads,
-                                  struct sim_capture **capture);
+// The settings, which outlive it, say where to and how; their folder is made. NULL, or without a
+// folder: the jobs write nowhere. AP_ENVIRONMENT.
+enum ap_status sim_capture_create(struct ap_error *err, const struct sim_settings *settings,
+                                  int threads, struct sim_capture **capture);
 
 // First come, first served. Blocks while 64 jobs wait.
 void sim_capture_add(struct sim_capture *capture, const struct sim_capture_job *job);
 
-// Writes NNNNNN-left.png or -right.png into the folder, whole or not at all. From a job.
+enum { SIM_CAPTURE_NAME_MAX = 64 };
+
+// The name of a picture: NNNNNN-left.png, NNNNNN-layerK-right.png where layer is not negative,
+// NNNNNN-layerK.png where eye is negative, for a layer's one picture.
+void sim_capture_name(const struct sim_settings *settings, int64_t frame, int layer, int eye,
+                      char name[SIM_CAPTURE_NAME_MAX]);
+
+// Writes an eye's composed picture into the folder, whole or not at all, through the lens where the
+// settings ask for it. From a job.
 enum ap_status sim_capture_write(struct ap_error *err, const struct sim_capture *capture,
                                  int64_t frame, int eye, const struct ap_pixels *pixels);
+
+// A layer's, as it is. alpha: PNG keeps it (PAM always does); linear: the bytes are linear light.
+struct sim_capture_layer {
+    int64_t frame;
+    int layer, eye;
+    bool alpha, linear;
+};
+enum ap_status sim_capture_write_layer(struct ap_error *err, const struct sim_capture *capture,
+                                       const struct sim_capture_layer *which,
+                                       const struct ap_pixels *pixels);
 
 // The first failure of a job since the last call, AP_OK where there is none.
 enum ap_status sim_capture_error(struct ap_error *err, struct sim_capture *capture);

@@ -356,7 +356,7 @@ enum ap_status sim_compositor_create(struct ap_error *err, const struct ap_gpu *
     if (settings->window)
         open_window(c);
     if (settings->capture_dir || c->window) {
-        st = sim_capture_create(err, settings->capture_dir, WRITERS, &c->capture);
+        st = sim_capture_create(err, settings, WRITERS, &c->capture);
         if (!st)
             st = create_slots(err, c);
     }

@@ -29,6 +29,7 @@ struct sim_prediction {
     int64_t display_ns; // XrTime
     int64_t period_ns;
     int64_t wake_machine_ns; // when the program may start; INT64_MIN: at once
+    int64_t waited_ns, begun_ns; // XrTime at which the calls returned; the frame loop's
     int64_t missed;          // places of the grid passed over since the frame before
 };
 

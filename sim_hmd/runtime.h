@@ -65,6 +65,8 @@ struct sim_session {
     bool headless;
     struct ap_gpu gpu;
     struct sim_compositor *compositor;
+    struct sim_layer_capture *layer_capture; // capture_session.c
+    struct sim_frames_log *frames_log;
     int64_t formats[16];
     uint32_t format_count;
     XrSessionState state;
@@ -206,6 +208,15 @@ void sim_session_lose(struct sim_session *session, const char *what);
 // One line on the frames so far: what was missed, and by how much.
 void sim_session_report(const struct sim_session *session);
 void sim_session_collect_garbage(struct sim_session *session);
+
+// capture_session.c: what is captured beside the composed pictures; nothing where the settings ask
+// for none. The flush makes all of it whole.
+enum ap_status sim_session_capture_open(struct ap_error *err, struct sim_session *session);
+enum ap_status sim_session_capture_frame(struct ap_error *err, struct sim_session *session,
+                                         const XrFrameEndInfo *info, const struct sim_frame *frame,
+                                         bool captured);
+enum ap_status sim_session_capture_flush(struct ap_error *err, struct sim_session *session);
+void sim_session_capture_close(struct sim_session *session);
 
 // api_vulkan.c: the device that programs must use, the fastest kind there is.
 XrResult sim_choose_device(VkInstance vulkan, VkPhysicalDevice *out);

@@ -15,7 +15,8 @@ static const char *const log_keys[] = {"logs", "up", "head_frame", "skip_bad", "
 static const char *const script_keys[] = {"script",     "table_edge_m", "table_height_m",
                                           "duration_s", "seed",         NULL};
 static const char *const window_keys[] = {"window", NULL};
-static const char *const capture_keys[] = {"dir", "frames", NULL};
+static const char *const capture_keys[] = {"dir",    "frames", "layers", "composed",
+                                           "format", "lens",   "log",    NULL};
 
 // Relative paths are relative to the settings file's folder. malloc'ed, NULL without memory.
 static char *resolve_path(const char *settings_path, const char *path) {
@@ -225,6 +226,31 @@ static enum ap_status read_poses(struct ap_error *err, const struct ap_json_at *
     return AP_OK;
 }
 
+static enum ap_status read_flag(struct ap_error *err, const struct ap_json_at *object,
+                                const char *key, bool *value) {
+    return ap_json_has(object, key) ? ap_json_bool(err, object, key, value) : AP_OK;
+}
+
+// What is written of a captured frame, and how.
+static enum ap_status read_outputs(struct ap_error *err, const struct ap_json_at *capture,
+                                   struct sim_settings *s) {
+    struct ap_json_at lens = ap_json_member(capture, "lens");
+    enum ap_status st = read_flag(err, capture, "layers", &s->capture_layers);
+    if (!st)
+        st = read_flag(err, capture, "composed", &s->capture_composed);
+    if (!st)
+        st = read_flag(err, capture, "lens", &s->capture_lens);
+    if (!st)
+        st = read_choice(err, capture, "format", "png", "raw", &s->capture_raw);
+    if (!st)
+        st = read_choice(err, capture, "log", "captured", "all", &s->capture_log_all);
+    for (int eye = 0; eye < 2 && !st && s->capture_lens; eye++)
+        if (s->profile.eye[eye].lens.red_scale == 0)
+            st = ap_json_fail(err, &lens, "the headset's profile describes no lens of this eye: %s",
+                              eye ? "right" : "left");
+    return st;
+}
+
 static enum ap_status read_capture(struct ap_error *err, const struct ap_json_at *root,
                                    struct sim_settings *s) {
     struct ap_json_at capture = ap_json_member(root, "capture");
@@ -234,6 +260,8 @@ static enum ap_status read_capture(struct ap_error *err, const struct ap_json_at
         st = ap_json_string(err, &capture, "dir", &dir);
     if (!st && ap_json_has(&capture, "frames"))
         st = ap_json_string(err, &capture, "frames", &frames);
+    if (!st)
+        st = read_outputs(err, &capture, s);
     if (st)
         return st;
     struct ap_json_at at = ap_json_member(&capture, "frames");
@@ -335,7 +363,8 @@ static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *ro
 
 enum ap_status sim_settings_read(struct ap_error *err, const char *path,
                                  struct sim_settings *settings) {
-    struct sim_settings s = {.profile = ap_headset_builtin(), .capture_frames = AP_RANGE_ALL};
+    struct sim_settings s = {.profile = ap_headset_builtin(), .capture_frames = AP_RANGE_ALL,
+                             .capture_composed = true};
     if (path) {
         json_t *root = NULL;
         enum ap_status st = ap_json_read(err, path, &root);

@@ -34,6 +34,10 @@ struct sim_settings {
     struct ap_walk_params walk;
     int64_t frames;    // 0: no limit
     char *capture_dir; // NULL: no capture
+    // What of a captured frame is written: the composed picture, through the lens or not; what the
+    // program submitted; a line of frames.jsonl for frames that are not captured, too.
+    bool capture_composed, capture_lens, capture_layers, capture_log_all;
+    bool capture_raw; // PAM, not PNG
     struct ap_range capture_frames;
     bool draw_all; // on the virtual clock, too, frames that nobody looks at have shouldRender
     bool window;

@@ -100,7 +100,8 @@ static void full_disk(void **state) {
         bytes[k] = (uint8_t)(seed >> 24);
     }
     struct ap_pixels pixels = {bytes, W, H, W * 4, false};
-    assert_int_equal(sim_capture_create(NULL, folder, 1, &c), AP_OK);
+    struct sim_settings settings = {.capture_dir = folder};
+    assert_int_equal(sim_capture_create(NULL, &settings, 1, &c), AP_OK);
     assert_int_equal(sim_capture_write(&err, c, 12, 0, &pixels), AP_OK);
     assert_int_equal(sim_capture_write(&err, c, 1234567, 1, &pixels), AP_OK);
     assert_int_equal(files(), 2);
@@ -127,7 +128,8 @@ static void bad_folder(void **state) {
     (void)state;
     struct sim_capture *c = NULL;
     struct ap_error err = {{0}};
-    assert_int_equal(sim_capture_create(&err, "/dev/null/x", 1, &c), AP_ENVIRONMENT);
+    struct sim_settings settings = {.capture_dir = (char[]){"/dev/null/x"}};
+    assert_int_equal(sim_capture_create(&err, &settings, 1, &c), AP_ENVIRONMENT);
     assert_non_null(strstr(err.text, "/dev/null"));
     assert_null(c);
 }

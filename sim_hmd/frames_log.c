@@ -1,0 +1,94 @@
+#include "sim_hmd/frames_log.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "sim_hmd/frames_line.h"
+#include "src/base/file.h"
+
+struct sim_frames_log {
+    const struct sim_settings *settings;
+    char *path, *part;
+    int fd; // −1: committed
+    struct sim_line line;
+};
+
+static enum ap_status cannot(struct ap_error *err, const char *path) {
+    return ap_fail(err, AP_ENVIRONMENT, "%s: cannot be written: %s", path, strerror(errno));
+}
+
+enum ap_status sim_frames_log_create(struct ap_error *err, const struct sim_settings *settings,
+                                     struct sim_frames_log **log) {
+    struct sim_frames_log *l = calloc(1, sizeof *l);
+    if (!l)
+        return ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    l->settings = settings;
+    l->fd = -1;
+    l->path = ap_path_join(settings->capture_dir, "frames.jsonl");
+    l->part = ap_path_join(settings->capture_dir, "frames.jsonl.part");
+    enum ap_status st = l->path && l->part ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    if (!st) {
+        // What lies there is another run's, or a stranger's link.
+        if ((unlink(l->path) != 0 && errno != ENOENT) || (unlink(l->part) != 0 && errno != ENOENT))
+            st = cannot(err, l->path);
+        else
+            l->fd = open(l->part, O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
+        if (!st && l->fd < 0)
+            st = cannot(err, l->part);
+    }
+    if (st)
+        sim_frames_log_destroy(l);
+    else
+        *log = l;
+    return st;
+}
+
+// One call a line, so that a reader and a killed program's rest see whole ones.
+static enum ap_status write_all(struct ap_error *err, const struct sim_frames_log *l,
+                                const char *bytes, size_t len) {
+    while (len > 0) {
+        ssize_t n = write(l->fd, bytes, len);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return cannot(err, l->part);
+        bytes += n;
+        len -= (size_t)n;
+    }
+    return AP_OK;
+}
+
+enum ap_status sim_frames_log_frame(struct ap_error *err, struct sim_frames_log *l,
+                                    const struct sim_logged_frame *logged) {
+    if (!l || l->fd < 0 || (!logged->captured && !l->settings->capture_log_all))
+        return AP_OK;
+    sim_line_write(&l->line, l->settings, logged);
+    if (l->line.failed) {
+        l->line.failed = false;
+        return ap_fail(err, AP_ENVIRONMENT, "%s: no memory for a frame's line", l->part);
+    }
+    return write_all(err, l, l->line.text, l->line.len);
+}
+
+enum ap_status sim_frames_log_commit(struct ap_error *err, struct sim_frames_log *l) {
+    if (!l || l->fd < 0)
+        return AP_OK;
+    int failed = close(l->fd);
+    l->fd = -1;
+    return failed || rename(l->part, l->path) != 0 ? cannot(err, l->path) : AP_OK;
+}
+
+void sim_frames_log_destroy(struct sim_frames_log *l) {
+    if (!l)
+        return;
+    if (l->fd >= 0)
+        close(l->fd);
+    free(l->line.text);
+    free(l->path);
+    free(l->part);
+    free(l);
+}
