@@ -49,10 +49,11 @@ static bool should_render(const struct sim_session *session, int64_t index) {
 }
 
 static void take_window_input(struct sim_session *session, const struct sim_prediction *frame) {
-    struct sim_window_input input;
-    if (!session->compositor || !sim_compositor_input(session->compositor, &input))
-        return;
-    sim_source_input(session->instance->source, &input, (double)frame->period_ns * 1e-9);
+    struct sim_window_input input = {0};
+    bool window = session->compositor && sim_compositor_input(session->compositor, &input);
+    if (window)
+        sim_source_input(session->instance->source, &input, (double)frame->period_ns * 1e-9);
+    sim_recentre_due(session, frame, input.keys);
     if (input.closed)
         sim_session_ask_to_end(session);
 }

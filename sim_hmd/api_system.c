@@ -98,6 +98,13 @@ XrResult XRAPI_CALL xrGetViewConfigurationProperties(XrInstance handle, XrSystem
     return XR_SUCCESS;
 }
 
+// Room for supersampling. Programs make images of the largest size too, three at a time, in the
+// memory of a machine without a GPU.
+static uint32_t most_px(uint32_t recommended_px) {
+    uint32_t most = recommended_px > 2048 ? 2 * recommended_px : 4096;
+    return most < MAX_IMAGE_PX ? most : MAX_IMAGE_PX;
+}
+
 // What a program may take for its near and far planes: nothing here depends on it.
 static void fill_depth_range(const struct sim_instance *instance, XrViewConfigurationView *view) {
     XrViewConfigurationDepthRangeEXT *range =
@@ -132,8 +139,8 @@ XrResult XRAPI_CALL xrEnumerateViewConfigurationViews(XrInstance handle, XrSyste
         const struct ap_eye_profile *eye = &instance->settings.profile.eye[i];
         views[i].recommendedImageRectWidth = eye->width_px;
         views[i].recommendedImageRectHeight = eye->height_px;
-        views[i].maxImageRectWidth = MAX_IMAGE_PX;
-        views[i].maxImageRectHeight = MAX_IMAGE_PX;
+        views[i].maxImageRectWidth = most_px(eye->width_px);
+        views[i].maxImageRectHeight = most_px(eye->height_px);
         views[i].recommendedSwapchainSampleCount = 1;
         views[i].maxSwapchainSampleCount = MAX_SAMPLES;
         fill_depth_range(instance, &views[i]);

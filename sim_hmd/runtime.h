@@ -25,7 +25,7 @@
 // are hidden; the loader gets them from xrGetInstanceProcAddr): they take the lock, verify their
 // arguments and dispatch. Everything declared here wants the lock held.
 
-enum { SIM_SYSTEM_ID = 1, SIM_MAX_EVENTS = 128, SIM_MAX_IMAGES = 3 };
+enum { SIM_SYSTEM_ID = 1, SIM_MAX_EVENTS = 128, SIM_MAX_IMAGES = 3, SIM_MAX_RECENTRINGS = 16 };
 
 struct sim_paths {
     char **text; // XrPath = place + 1
@@ -59,6 +59,11 @@ struct sim_instance {
     struct sim_session *session;
 };
 
+struct sim_recentring {
+    XrTime from;
+    struct ap_pose stage_from_local;
+};
+
 struct sim_session {
     struct sim_object object;
     struct sim_instance *instance;
@@ -82,6 +87,13 @@ struct sim_session {
         int64_t margin_least_ns;
         double margin_sum_ns;
     } counts;
+    // recentre.c: rising by time; what LOCAL was before the first of them.
+    struct sim_recentring recentrings[SIM_MAX_RECENTRINGS];
+    int recentring_count;
+    struct ap_pose oldest_local;
+    size_t recentred; // of the settings' times
+    int64_t first_frame_ns;
+    uint32_t keys; // the window's, as of the last frame
     // Images of swapchains that were destroyed while the queue may still have worked on them.
     struct sim_garbage *garbage;
     // Actions. The bindings are those that were suggested when the sets were attached.
@@ -233,6 +245,12 @@ XrPosef sim_pose_to_xr(struct ap_pose pose);
 XrFovf sim_fov(const struct sim_session *session, int eye);
 enum ap_pose_state sim_worse_state(enum ap_pose_state a, enum ap_pose_state b);
 XrSpaceLocationFlags sim_location_flags(enum ap_pose_state state);
+
+// recentre.c
+struct ap_pose sim_local_in_stage(const struct sim_session *session, XrTime time);
+struct ap_pose sim_local_floor_in_stage(const struct sim_session *session, XrTime time);
+void sim_recentre_due(struct sim_session *session, const struct sim_prediction *frame,
+                      uint32_t keys);
 
 // layers.c: verifies what xrEndFrame was given and resolves it.
 XrResult sim_layers_resolve(struct sim_session *session, const XrFrameEndInfo *info,

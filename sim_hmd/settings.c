@@ -8,9 +8,10 @@
 #include "src/base/json.h"
 #include "src/device/inputlog.h"
 
-static const char *const top_keys[] = {"headset",          "poses",       "clock",   "refresh_hz",
-                                       "refresh_rates_hz", "frames",      "capture", "window",
-                                       "inputs",           "controllers", "draw",    NULL};
+static const char *const top_keys[] = {
+    "headset",    "poses",   "clock",         "refresh_hz", "refresh_rates_hz",
+    "frames",     "capture", "window",        "inputs",     "controllers",
+    "recentre_s", "strict",  "strict_report", "draw",       NULL};
 static const char *const log_keys[] = {"logs", "up", "head_frame", "skip_bad", "table_at", NULL};
 static const char *const script_keys[] = {"script",     "table_edge_m", "table_height_m",
                                           "duration_s", "seed",         NULL};
@@ -313,6 +314,24 @@ static enum ap_status settle_rates(struct ap_error *err, const struct ap_json_at
     return st;
 }
 
+static enum ap_status read_recentre(struct ap_error *err, const struct ap_json_at *root,
+                                    struct sim_settings *s) {
+    struct ap_json_at list = ap_json_member(root, "recentre_s");
+    size_t count = json_array_size(list.value);
+    if (count < 1 || count > SIM_MAX_RECENTRE_TIMES)
+        return ap_json_fail(err, &list, "expected a list of 1 to %d times in seconds",
+                            SIM_MAX_RECENTRE_TIMES);
+    double last = 0;
+    for (size_t i = 0; i < count; i++) {
+        struct ap_json_at at = ap_json_element(&list, i);
+        double t = json_is_number(at.value) ? json_number_value(at.value) : -1;
+        if (!(t > last && t <= 1e6))
+            return ap_json_fail(err, &at, "expected seconds, rising from more than 0");
+        s->recentre_s[s->recentre_count++] = last = t;
+    }
+    return AP_OK;
+}
+
 static enum ap_status read_controllers(struct ap_error *err, const struct ap_json_at *root,
                                        struct sim_settings *s) {
     struct ap_json_at at = ap_json_member(root, "controllers");
@@ -325,6 +344,24 @@ static enum ap_status read_controllers(struct ap_error *err, const struct ap_jso
         return ap_json_fail(err, &at, "expected an interaction profile of the hands, as \"%s\"",
                             sim_profiles[0].path);
     return AP_OK;
+}
+
+static enum ap_status read_strict(struct ap_error *err, const struct ap_json_at *root,
+                                  struct sim_settings *s) {
+    const char *report;
+    enum ap_status st = AP_OK;
+    if (ap_json_has(root, "strict"))
+        st = ap_json_bool(err, root, "strict", &s->strict);
+    if (st || !ap_json_has(root, "strict_report"))
+        return st;
+    struct ap_json_at at = ap_json_member(root, "strict_report");
+    st = ap_json_string(err, root, "strict_report", &report);
+    if (!st && !s->strict)
+        st = ap_json_fail(err, &at, "there is no report without \"strict\": true");
+    if (st)
+        return st;
+    s->strict_report = resolve_path(root->file, report);
+    return s->strict_report ? AP_OK : no_memory(err);
 }
 
 static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *root,
@@ -350,8 +387,12 @@ static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *ro
         st = read_capture(err, root, s);
     if (!st && ap_json_has(root, "inputs"))
         st = read_inputs(err, root, s);
+    if (!st && ap_json_has(root, "recentre_s"))
+        st = read_recentre(err, root, s);
     if (!st && ap_json_has(root, "controllers"))
         st = read_controllers(err, root, s);
+    if (!st)
+        st = read_strict(err, root, s);
     if (!st && ap_json_has(root, "window")) {
         bool window;
         st = ap_json_bool(err, root, "window", &window);
@@ -363,8 +404,8 @@ static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *ro
 
 enum ap_status sim_settings_read(struct ap_error *err, const char *path,
                                  struct sim_settings *settings) {
-    struct sim_settings s = {.profile = ap_headset_builtin(), .capture_frames = AP_RANGE_ALL,
-                             .capture_composed = true};
+    struct sim_settings s = {
+        .profile = ap_headset_builtin(), .capture_frames = AP_RANGE_ALL, .capture_composed = true};
     if (path) {
         json_t *root = NULL;
         enum ap_status st = ap_json_read(err, path, &root);
@@ -392,6 +433,7 @@ void sim_settings_finish(struct sim_settings *settings) {
         free(settings->inputs[i]);
     free(settings->inputs);
     free(settings->capture_dir);
+    free(settings->strict_report);
     *settings = (struct sim_settings){0};
 }
 

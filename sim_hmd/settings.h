@@ -14,7 +14,7 @@
 // The simulated headset's settings: README.md's table. Read once, at xrCreateInstance.
 
 enum sim_poses { SIM_POSES_WALK, SIM_POSES_LOGS, SIM_POSES_WINDOW };
-enum { SIM_MAX_RATES = 16 };
+enum { SIM_MAX_RATES = 16, SIM_MAX_RECENTRE_TIMES = 64 };
 enum sim_clock { SIM_CLOCK_REAL, SIM_CLOCK_VIRTUAL };
 
 struct sim_settings {
@@ -27,6 +27,8 @@ struct sim_settings {
     size_t log_count;
     char **inputs; // input logs
     size_t input_count;
+    double recentre_s[SIM_MAX_RECENTRE_TIMES]; // after the first frame, rising
+    size_t recentre_count;
     int controllers; // of sim_profiles: what the hands hold where the program knows it
     bool z_up, skip_bad, has_table;
     enum ap_head_frame head_frame;
@@ -41,6 +43,8 @@ struct sim_settings {
     struct ap_range capture_frames;
     bool draw_all; // on the virtual clock, too, frames that nobody looks at have shouldRender
     bool window;
+    bool strict;         // a lint for the program: strict.h
+    char *strict_report; // NULL: standard error only
 };
 
 // path NULL: the defaults. AP_INPUT with the place in the file.

@@ -28,6 +28,7 @@ struct sim_source {
     struct sim_window_player player; // window
     struct ap_inputlog *inputs;      // NULL: none
     bool warned_unheard;
+    struct ap_pose first_local;
 };
 
 static const char *const device_names[SIM_DEVICE_COUNT] = {"head", "left", "right"};
@@ -124,6 +125,8 @@ static enum ap_status load_inputs(struct ap_error *err, const struct sim_setting
     return st;
 }
 
+static void keep_first_local(struct sim_source *s);
+
 enum ap_status sim_source_create(struct ap_error *err, const struct sim_settings *settings,
                                  struct sim_source **source) {
     struct sim_source *s = calloc(1, sizeof *s);
@@ -142,6 +145,7 @@ enum ap_status sim_source_create(struct ap_error *err, const struct sim_settings
         sim_source_destroy(s);
         return st;
     }
+    keep_first_local(s);
     *source = s;
     return AP_OK;
 }
@@ -210,16 +214,34 @@ int64_t sim_source_frame_count(const struct sim_source *source, double refresh_h
     return source->backend->frame_count ? source->backend->frame_count(source, refresh_hz) : -1;
 }
 
-struct ap_pose sim_source_stage_from_local(const struct sim_source *source) {
-    struct ap_sample head;
-    if (source->backend->at(source, SIM_HEAD, 0, &head) == AP_POSE_NONE)
-        return (struct ap_pose){.p = {0, 1.6, 0}, .q = AP_QUAT_IDENTITY};
-    // Yaw from where the head looks; straight up or down it is the head's own twist.
-    struct ap_vec3 ahead = ap_quat_rotate(head.pose.q, (struct ap_vec3){0, 0, -1});
-    double yaw = hypot(ahead.x, ahead.z) > 1e-6 ? atan2(-ahead.x, -ahead.z)
-                                                : 2 * atan2(head.pose.q.y, head.pose.q.w);
-    return (struct ap_pose){.p = head.pose.p,
+// Yaw from where the head looks; straight up or down it is the head's own twist.
+static struct ap_pose level(struct ap_pose head) {
+    struct ap_vec3 ahead = ap_quat_rotate(head.q, (struct ap_vec3){0, 0, -1});
+    double yaw =
+        hypot(ahead.x, ahead.z) > 1e-6 ? atan2(-ahead.x, -ahead.z) : 2 * atan2(head.q.y, head.q.w);
+    return (struct ap_pose){.p = head.p,
                             .q = ap_quat_from_axis_angle((struct ap_vec3){0, 1, 0}, yaw)};
+}
+
+// What the window moves has no past: its first pose is kept.
+static void keep_first_local(struct sim_source *s) {
+    struct ap_sample head;
+    s->first_local = (struct ap_pose){.p = {0, 1.6, 0}, .q = AP_QUAT_IDENTITY};
+    if (s->backend->at(s, SIM_HEAD, 0, &head) != AP_POSE_NONE)
+        s->first_local = level(head.pose);
+}
+
+struct ap_pose sim_source_stage_from_local(const struct sim_source *source) {
+    return source->first_local;
+}
+
+bool sim_source_local_at(const struct sim_source *source, int64_t xr_ns, struct ap_pose *local) {
+    struct ap_sample head;
+    enum ap_pose_state state = sim_source_at(source, SIM_HEAD, xr_ns, &head);
+    if (state == AP_POSE_NONE || state == AP_POSE_LOST)
+        return false;
+    *local = level(head.pose);
+    return true;
 }
 
 void sim_source_input(struct sim_source *source, const struct sim_window_input *input,

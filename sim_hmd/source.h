@@ -40,8 +40,10 @@ void sim_source_warn_unheard(struct sim_source *source, const int profile[SIM_TO
 // The frames of a session on the virtual clock; −1: no end.
 int64_t sim_source_frame_count(const struct sim_source *source, double refresh_hz);
 
-// LOCAL: under the first head pose's position and yaw, level.
+// LOCAL: at the first head pose's position and yaw, level.
 struct ap_pose sim_source_stage_from_local(const struct sim_source *source);
+// The same of the head at another time; false where it is not tracked.
+bool sim_source_local_at(const struct sim_source *source, int64_t xr_ns, struct ap_pose *local);
 
 // Steps what the window's keyboard and mouse move; the others ignore it.
 void sim_source_input(struct sim_source *source, const struct sim_window_input *input,

@@ -76,22 +76,14 @@ static struct sim_located action_in_stage(const struct sim_space *space, XrTime 
     return hand;
 }
 
-// LOCAL on STAGE's floor.
-static struct ap_pose local_floor(const struct sim_source *source) {
-    struct ap_pose local = sim_source_stage_from_local(source);
-    local.p.y = 0;
-    return local;
-}
-
 static struct sim_located reference_in_stage(const struct sim_space *space, XrTime time) {
     if (space->reference == XR_REFERENCE_SPACE_TYPE_LOCAL_FLOOR_EXT)
-        return (struct sim_located){AP_POSE_EXACT, local_floor(space->session->instance->source)};
+        return (struct sim_located){AP_POSE_EXACT, sim_local_floor_in_stage(space->session, time)};
     switch (space->reference) {
     case XR_REFERENCE_SPACE_TYPE_VIEW:
         return sim_head_in_stage(space->session, time);
     case XR_REFERENCE_SPACE_TYPE_LOCAL:
-        return (struct sim_located){AP_POSE_EXACT,
-                                    sim_source_stage_from_local(space->session->instance->source)};
+        return (struct sim_located){AP_POSE_EXACT, sim_local_in_stage(space->session, time)};
     default:
         return (struct sim_located){AP_POSE_EXACT, AP_POSE_IDENTITY};
     }

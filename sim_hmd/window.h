@@ -8,7 +8,7 @@
 // this process does. Keys: docs/capture-composition.md.
 struct sim_window;
 
-// R: back to the start. A bit of sim_window_input.keys beside frame.h's.
+// R: LOCAL comes to where the head is. A bit of sim_window_input.keys beside frame.h's.
 enum { SIM_KEY_RECENTRE = 1 << 11 };
 
 struct sim_window_params {
