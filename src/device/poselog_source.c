@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/device/hid/recording.h"
+
 static bool is_word_byte(char c, bool first) {
     bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
     return letter || (!first && ((c >= '0' && c <= '9') || c == '-'));
@@ -56,9 +58,43 @@ static enum ap_status take_header(struct ap_error *err, struct ap_log_source *so
 static enum ap_status reject_unknown(struct ap_error *err, struct ap_log_source *source) {
     struct ap_bad_line bad = {.column = 1};
     snprintf(bad.expected, sizeof bad.expected,
-             "a pose log: CSV with the header t_ns,device,px,…, TUM lines (t x y z qx qy qz qw) or "
-             "EuRoC CSV");
+             "a pose log: CSV with the header t_ns,device,px,…, TUM lines (t x y z qx qy qz qw), "
+             "EuRoC CSV or a raw HID recording");
     return ap_log_source_reject(err, source, &bad);
+}
+
+static enum ap_status need_reports(struct ap_error *err, struct ap_log_source *source) {
+    if (source->reports)
+        return AP_OK;
+    source->reports = ap_report_log_create();
+    if (!source->reports)
+        return ap_fail(err, AP_ENVIRONMENT, "%s: out of memory", source->reader.name);
+    ap_report_log_set_role(source->reports, source->role);
+    return AP_OK;
+}
+
+// Recorders write a device's feature reports, comments to anybody else, before its other lines.
+static enum ap_status take_early_feature(struct ap_error *err, struct ap_log_source *source,
+                                         const char *line, size_t len) {
+    struct ap_bad_line bad;
+    enum ap_status st = need_reports(err, source);
+    if (st || ap_report_log_feed(source->reports, line, len, &bad) || source->early_bad_line)
+        return st;
+    source->early_bad_line = source->reader.line;
+    source->early_bad = bad;
+    return AP_OK;
+}
+
+// Now the format is known; what its early lines lacked can be said.
+static enum ap_status begin_reports(struct ap_error *err, struct ap_log_source *source) {
+    enum ap_status st = need_reports(err, source);
+    if (st || !source->early_bad_line)
+        return st;
+    source->skipped += source->skip_bad;
+    return source->skip_bad ? AP_OK
+                            : ap_fail(err, AP_INPUT, "%s:%" PRId64 ":%zu: expected %s",
+                                      source->reader.name, source->early_bad_line,
+                                      source->early_bad.column, source->early_bad.expected);
 }
 
 static enum ap_status find_format(struct ap_error *err, struct ap_log_source *source) {
@@ -70,22 +106,25 @@ static enum ap_status find_format(struct ap_error *err, struct ap_log_source *so
         if (st)
             return st;
         if (kind == AP_LINE_END)
-            return ap_fail(err, AP_INPUT, "%s: no pose in it; expected CSV, TUM or EuRoC lines",
+            return ap_fail(err, AP_INPUT,
+                           "%s: no pose in it; expected CSV, TUM, EuRoC or HID lines",
                            source->reader.name);
+        if (kind == AP_LINE_TEXT && ap_hid_line_is_feature(line, len)) {
+            st = take_early_feature(err, source, line, len);
+            if (st)
+                return st;
+        }
         if (kind == AP_LINE_TEXT && ap_log_line_is_empty(line, len))
             continue;
         if (kind == AP_LINE_TEXT)
             source->format = ap_log_format_of(line, len);
-        if (source->format == AP_LOG_HID)
-            return ap_fail(err, AP_INPUT,
-                           "%s: a raw HID recording, which this version does not read; convert it "
-                           "to CSV, TUM or EuRoC",
-                           source->reader.name);
         if (source->format == AP_LOG_CSV)
             st = take_header(err, source, line, len);
-        else if (source->format != AP_LOG_UNKNOWN)
+        else if (source->format == AP_LOG_HID)
+            st = begin_reports(err, source);
+        if (source->format != AP_LOG_CSV && source->format != AP_LOG_UNKNOWN)
             ap_line_reader_unread(&source->reader);
-        else
+        else if (source->format == AP_LOG_UNKNOWN)
             st = kind == AP_LINE_TOO_LONG ? reject_long_line(err, source)
                                           : reject_unknown(err, source);
         if (st)
@@ -110,6 +149,8 @@ enum ap_status ap_log_source_open(struct ap_error *err, struct ap_log_source *so
 
 void ap_log_source_finish(struct ap_log_source *source) {
     ap_line_reader_close(&source->reader);
+    ap_report_log_destroy(source->reports);
+    source->reports = NULL;
     free(source->header);
     source->header = NULL;
 }
@@ -147,8 +188,40 @@ static enum ap_status check_role(struct ap_error *err, struct ap_log_source *sou
                    source->only_device, (int)source->role.len, source->role.text);
 }
 
+static void give_row(struct ap_log_source *source) {
+    source->has_row = true;
+    source->last_t_ns = source->row.t_ns;
+}
+
+// A line of a text format: one row. A line of a recording: none, or one for each tracker.
+static bool take_line(struct ap_log_source *source, const char *line, size_t len,
+                      struct ap_bad_line *bad) {
+    if (source->format == AP_LOG_HID) {
+        if (!ap_report_log_feed(source->reports, line, len, bad))
+            return false;
+        if (ap_report_log_take(source->reports, &source->row))
+            give_row(source);
+        return true;
+    }
+    if (ap_log_line_is_empty(line, len))
+        return true;
+    if (!parse(source, line, len, bad))
+        return false;
+    give_row(source);
+    return true;
+}
+
+static enum ap_status at_end(struct ap_error *err, struct ap_log_source *source) {
+    source->at_end = true;
+    return source->format == AP_LOG_HID
+               ? ap_report_log_check_end(err, source->reports, source->reader.name)
+               : AP_OK;
+}
+
 enum ap_status ap_log_source_advance(struct ap_error *err, struct ap_log_source *source) {
     source->has_row = false;
+    if (source->format == AP_LOG_HID && ap_report_log_take(source->reports, &source->row))
+        give_row(source);
     while (!source->has_row && !source->at_end) {
         enum ap_line_kind kind;
         const char *line;
@@ -158,22 +231,15 @@ enum ap_status ap_log_source_advance(struct ap_error *err, struct ap_log_source 
             return st;
         struct ap_bad_line bad;
         if (kind == AP_LINE_END)
-            source->at_end = true;
+            st = at_end(err, source);
         else if (kind == AP_LINE_TOO_LONG)
             st = reject_long_line(err, source);
-        else if (ap_log_line_is_empty(line, len))
-            continue;
-        else if (!parse(source, line, len, &bad))
+        else if (!take_line(source, line, len, &bad))
             st = ap_log_source_reject(err, source, &bad);
-        else {
-            source->has_row = true;
-            source->last_t_ns = source->row.t_ns;
-            st = check_role(err, source);
-        }
         if (st)
             return st;
     }
-    return AP_OK;
+    return source->has_row ? check_role(err, source) : AP_OK;
 }
 
 struct ap_field ap_log_source_device(const struct ap_log_source *source) {

@@ -2,6 +2,7 @@
 #define ANTIPODE_DEVICE_POSELOG_SOURCE_H
 
 #include "src/device/line_reader.h"
+#include "src/device/hid/report_log.h"
 #include "src/device/poselog_format.h"
 
 // One file of a pose log: its role, its format, and the row at its front.
@@ -16,6 +17,12 @@ struct ap_log_source {
     char *header;                  // what their names point into
     struct ap_field fields[AP_LOG_COLUMNS_MAX];
     char only_device[AP_LOG_DEVICE_NAME_MAX]; // with a role: the one name the file may hold
+
+    // AP_LOG_HID, and as long as the format is not known: feature reports stand before what tells
+    // it.
+    struct ap_report_log *reports;
+    int64_t early_bad_line; // of those; 0: none
+    struct ap_bad_line early_bad;
 
     bool has_row, at_end;
     struct ap_row row; // its pieces stay until ap_log_source_advance

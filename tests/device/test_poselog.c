@@ -129,7 +129,10 @@ static void test_unknown_formats(void **unused) {
     check_error(READ(""), "", "FILE: no pose in it");
     check_error(READ("# only\n\n"), "", "FILE: no pose in it");
     check_error(READ("# c\nhello\n"), "", "FILE:2:1: expected a pose log");
-    check_error(READ("D: 0\nR: 3 01 02 03\n"), "", "FILE: a raw HID recording");
+    check_error(
+        READ("D: 0\nR: 3 01 02 03\n"), "",
+        "FILE:2:6: expected a descriptor without fault (report descriptor, byte 2: an item");
+    check_error(READ("D: 0\nN: x\n"), "", "FILE: no report in this HID recording");
     check_error(READ("t_ns,device,px,py,pz,qx,qy,qz\n"), "",
                 "FILE:1:1: expected the header t_ns,device,px,py,pz,qx,qy,qz,qw[,…]; it has no qw");
     check_error(READ("t_ns,device,px,py,pz,qx,qy,qz,qw,px\n"), "",

@@ -1,0 +1,53 @@
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "src/device/hid/driver.h"
+
+// The table of drivers: the first that matches takes the device, so those that look closer stand
+// before those that take whole classes.
+
+extern const struct ap_driver ap_driver_android, ap_driver_slimevr, ap_driver_spacemouse,
+    ap_driver_hydra, ap_driver_orientation;
+
+static const struct ap_driver *const drivers[] = {
+    &ap_driver_android, &ap_driver_slimevr,     &ap_driver_spacemouse,
+    &ap_driver_hydra,   &ap_driver_orientation,
+};
+
+int ap_driver_count(void) {
+    return (int)(sizeof drivers / sizeof *drivers);
+}
+
+const struct ap_driver *ap_driver_at(int index) {
+    return index >= 0 && index < ap_driver_count() ? drivers[index] : NULL;
+}
+
+const struct ap_driver *ap_driver_find(const struct ap_device_info *info) {
+    for (int i = 0; i < ap_driver_count(); i++)
+        if (drivers[i]->match(info))
+            return drivers[i];
+    return NULL;
+}
+
+const struct ap_feature_report *ap_device_feature(const struct ap_device_info *info, uint8_t id) {
+    for (int i = info->feature_count; i-- > 0;)
+        if (info->features[i].len && info->features[i].bytes[0] == id)
+            return &info->features[i];
+    return NULL;
+}
+
+enum ap_report_verdict ap_report_bad(struct ap_driver_samples *samples, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(samples->why, sizeof samples->why, format, args);
+    va_end(args);
+    return AP_REPORT_BAD;
+}
+
+struct ap_driver_sample *ap_driver_add_sample(struct ap_driver_samples *samples) {
+    if (samples->count == AP_DRIVER_SAMPLES_MAX)
+        return NULL;
+    struct ap_driver_sample *s = &samples->at[samples->count++];
+    *s = (struct ap_driver_sample){.pose = AP_POSE_IDENTITY};
+    return s;
+}
