@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "sim_hmd/runtime.h"
+#include "sim_hmd/strict.h"
 #include "src/base/log.h"
 
 XrResult XRAPI_CALL xrNegotiateLoaderRuntimeInterface(const struct sim_loader_info *loader,
@@ -113,7 +114,10 @@ XrResult XRAPI_CALL xrGetInstanceProcAddr(XrInstance handle, const char *name,
     if (handle && !instance)
         return XR_ERROR_HANDLE_INVALID;
     *function = find(instance, name);
-    if (*function)
+    if (*function) {
+        *function = sim_strict_wrap(name, *function);
         return XR_SUCCESS;
+    }
+    sim_strict_no_function(name);
     return instance ? XR_ERROR_FUNCTION_UNSUPPORTED : XR_ERROR_HANDLE_INVALID;
 }

@@ -1,0 +1,101 @@
+#ifndef ANTIPODE_SIM_HMD_STRICT_SPEC_H
+#define ANTIPODE_SIM_HMD_STRICT_SPEC_H
+
+#include "sim_hmd/strict_call.h"
+
+// strict_spec.c; by the names of the header.
+extern const struct sim_values sim_values_XrActionType;
+extern const struct sim_values sim_values_XrEnvironmentBlendMode;
+extern const struct sim_values sim_values_XrEyeVisibility;
+extern const struct sim_values sim_values_XrFormFactor;
+extern const struct sim_values sim_values_XrHandEXT;
+extern const struct sim_values sim_values_XrHandJointSetEXT;
+extern const struct sim_values sim_values_XrHandJointsMotionRangeEXT;
+extern const struct sim_values sim_values_XrObjectType;
+extern const struct sim_values sim_values_XrReferenceSpaceType;
+extern const struct sim_values sim_values_XrResult;
+extern const struct sim_values sim_values_XrViewConfigurationType;
+extern const struct sim_values sim_values_XrVisibilityMaskTypeKHR;
+extern const struct sim_spec sim_spec_XrApiLayerProperties;
+extern const struct sim_spec sim_spec_XrExtensionProperties;
+extern const struct sim_spec sim_spec_XrApplicationInfo;
+extern const struct sim_spec sim_spec_XrInstanceCreateInfo;
+extern const struct sim_spec sim_spec_XrInstanceProperties;
+extern const struct sim_spec sim_spec_XrEventDataBuffer;
+extern const struct sim_spec sim_spec_XrSystemGetInfo;
+extern const struct sim_spec sim_spec_XrSystemProperties;
+extern const struct sim_spec sim_spec_XrSessionCreateInfo;
+extern const struct sim_spec sim_spec_XrReferenceSpaceCreateInfo;
+extern const struct sim_spec sim_spec_XrActionSpaceCreateInfo;
+extern const struct sim_spec sim_spec_XrSpaceLocation;
+extern const struct sim_spec sim_spec_XrViewConfigurationProperties;
+extern const struct sim_spec sim_spec_XrViewConfigurationView;
+extern const struct sim_spec sim_spec_XrSwapchainCreateInfo;
+extern const struct sim_spec sim_spec_XrSwapchainImageAcquireInfo;
+extern const struct sim_spec sim_spec_XrSwapchainImageWaitInfo;
+extern const struct sim_spec sim_spec_XrSwapchainImageReleaseInfo;
+extern const struct sim_spec sim_spec_XrSessionBeginInfo;
+extern const struct sim_spec sim_spec_XrFrameWaitInfo;
+extern const struct sim_spec sim_spec_XrFrameState;
+extern const struct sim_spec sim_spec_XrFrameBeginInfo;
+extern const struct sim_spec sim_spec_XrFrameEndInfo;
+extern const struct sim_spec sim_spec_XrViewLocateInfo;
+extern const struct sim_spec sim_spec_XrViewState;
+extern const struct sim_spec sim_spec_XrView;
+extern const struct sim_spec sim_spec_XrActionSetCreateInfo;
+extern const struct sim_spec sim_spec_XrActionCreateInfo;
+extern const struct sim_spec sim_spec_XrActionSuggestedBinding;
+extern const struct sim_spec sim_spec_XrInteractionProfileSuggestedBinding;
+extern const struct sim_spec sim_spec_XrSessionActionSetsAttachInfo;
+extern const struct sim_spec sim_spec_XrInteractionProfileState;
+extern const struct sim_spec sim_spec_XrActionStateGetInfo;
+extern const struct sim_spec sim_spec_XrActionStateBoolean;
+extern const struct sim_spec sim_spec_XrActionStateFloat;
+extern const struct sim_spec sim_spec_XrActionStateVector2f;
+extern const struct sim_spec sim_spec_XrActionStatePose;
+extern const struct sim_spec sim_spec_XrActiveActionSet;
+extern const struct sim_spec sim_spec_XrActionsSyncInfo;
+extern const struct sim_spec sim_spec_XrBoundSourcesForActionEnumerateInfo;
+extern const struct sim_spec sim_spec_XrInputSourceLocalizedNameGetInfo;
+extern const struct sim_spec sim_spec_XrHapticActionInfo;
+extern const struct sim_spec sim_spec_XrDebugUtilsObjectNameInfoEXT;
+extern const struct sim_spec sim_spec_XrDebugUtilsMessengerCreateInfoEXT;
+extern const struct sim_spec sim_spec_XrDebugUtilsLabelEXT;
+extern const struct sim_spec sim_spec_XrDebugUtilsMessengerCallbackDataEXT;
+extern const struct sim_spec sim_spec_XrGraphicsRequirementsVulkanKHR;
+extern const struct sim_spec sim_spec_XrVisibilityMaskKHR;
+extern const struct sim_spec sim_spec_XrHandTrackerCreateInfoEXT;
+extern const struct sim_spec sim_spec_XrHandJointsLocateInfoEXT;
+extern const struct sim_spec sim_spec_XrHandJointLocationsEXT;
+extern const struct sim_spec sim_spec_XrVulkanInstanceCreateInfoKHR;
+extern const struct sim_spec sim_spec_XrVulkanDeviceCreateInfoKHR;
+extern const struct sim_spec sim_spec_XrVulkanGraphicsDeviceGetInfoKHR;
+extern const struct sim_spec sim_spec_XrCompositionLayerCubeKHR;
+extern const struct sim_spec sim_spec_XrSwapchainSubImage;
+extern const struct sim_spec sim_spec_XrCompositionLayerDepthInfoKHR;
+extern const struct sim_spec sim_spec_XrCompositionLayerCylinderKHR;
+extern const struct sim_spec sim_spec_XrCompositionLayerEquirectKHR;
+extern const struct sim_spec sim_spec_XrGraphicsBindingVulkanKHR;
+extern const struct sim_spec sim_spec_XrSwapchainImageVulkanKHR;
+extern const struct sim_spec sim_spec_XrSystemEyeGazeInteractionPropertiesEXT;
+extern const struct sim_spec sim_spec_XrEyeGazeSampleTimeEXT;
+extern const struct sim_spec sim_spec_XrEventDataVisibilityMaskChangedKHR;
+extern const struct sim_spec sim_spec_XrCompositionLayerColorScaleBiasKHR;
+extern const struct sim_spec sim_spec_XrViewConfigurationDepthRangeEXT;
+extern const struct sim_spec sim_spec_XrSystemHandTrackingPropertiesEXT;
+extern const struct sim_spec sim_spec_XrHandJointVelocitiesEXT;
+extern const struct sim_spec sim_spec_XrViewConfigurationViewFovEPIC;
+extern const struct sim_spec sim_spec_XrHandJointsMotionRangeInfoEXT;
+extern const struct sim_spec sim_spec_XrCompositionLayerEquirect2KHR;
+extern const struct sim_spec sim_spec_XrEventDataDisplayRefreshRateChangedFB;
+extern const struct sim_spec sim_spec_XrCompositionLayerProjectionView;
+extern const struct sim_spec sim_spec_XrCompositionLayerProjection;
+extern const struct sim_spec sim_spec_XrCompositionLayerQuad;
+extern const struct sim_spec sim_spec_XrHapticVibration;
+extern const struct sim_spec sim_spec_XrSpaceVelocity;
+
+// What programs hand over as a base header is one of these here.
+#define sim_spec_XrHapticBaseHeader sim_spec_XrHapticVibration
+#define sim_spec_XrSwapchainImageBaseHeader sim_spec_XrSwapchainImageVulkanKHR
+
+#endif
