@@ -35,6 +35,7 @@ XrSpaceLocationFlags sim_location_flags(enum ap_pose_state state) {
     switch (state) {
     case AP_POSE_EXACT:
     case AP_POSE_INTERPOLATED:
+    case AP_POSE_PREDICTED:
         return XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT |
                XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
     case AP_POSE_LOST:

@@ -22,7 +22,7 @@ struct ap_timeline {
 };
 
 const char *ap_pose_state_name(enum ap_pose_state state) {
-    static const char *const names[] = {"none", "exact", "interpolated", "lost"};
+    static const char *const names[] = {"none", "exact", "interpolated", "lost", "predicted"};
     return names[state];
 }
 

@@ -10,9 +10,15 @@
 // A whole recording in memory, asked for poses at any time: what the simulated headset and `replay`
 // both stand on, so that they agree. Immutable after loading; any number of threads may read.
 
-enum ap_pose_state { AP_POSE_NONE, AP_POSE_EXACT, AP_POSE_INTERPOLATED, AP_POSE_LOST };
+enum ap_pose_state {
+    AP_POSE_NONE,
+    AP_POSE_EXACT,
+    AP_POSE_INTERPOLATED,
+    AP_POSE_LOST,
+    AP_POSE_PREDICTED
+};
 
-// "exact", "interpolated", "lost"; "none".
+// "exact", "interpolated", "lost", "predicted"; "none". A recording never predicts.
 const char *ap_pose_state_name(enum ap_pose_state state);
 
 struct ap_timeline;
