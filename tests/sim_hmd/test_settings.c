@@ -100,6 +100,19 @@ static void everything_is_read(void **state) {
     sim_settings_finish(&s);
 }
 
+static void capture_outputs(void **state) {
+    (void)state;
+    struct sim_settings s = good("{\"capture\": {\"dir\": \"x\"}}");
+    assert_true(s.capture_composed);
+    assert_false(s.capture_layers || s.capture_lens || s.capture_raw || s.capture_log_all);
+    sim_settings_finish(&s);
+    s = good("{\"capture\": {\"dir\": \"x\", \"composed\": false, \"layers\": true, "
+             "\"format\": \"raw\", \"log\": \"all\"}}");
+    assert_false(s.capture_composed);
+    assert_true(s.capture_layers && s.capture_raw && s.capture_log_all);
+    sim_settings_finish(&s);
+}
+
 static void errors_name_their_place(void **state) {
     (void)state;
     bad("[]", "expected an object");
@@ -132,6 +145,12 @@ static void errors_name_their_place(void **state) {
     bad("{\"capture\": {\"dir\": \"x\", \"frames\": \"::0\"}}", "/capture/frames");
     bad("{\"capture\": {\"dir\": \"x\", \"frames\": \"7\"}}", "/capture/frames");
     bad("{\"capture\": {\"dir\": \"x\", \"frames\": \"-1:\"}}", "/capture/frames");
+    bad("{\"capture\": {\"dir\": \"x\", \"layers\": 1}}", "/capture/layers");
+    bad("{\"capture\": {\"dir\": \"x\", \"composed\": \"yes\"}}", "/capture/composed");
+    bad("{\"capture\": {\"dir\": \"x\", \"format\": \"jpeg\"}}", "/capture/format");
+    bad("{\"capture\": {\"dir\": \"x\", \"log\": true}}", "/capture/log");
+    bad("{\"capture\": {\"dir\": \"x\", \"lens\": true}}", "/capture/lens: the headset's profile");
+    bad("{\"capture\": {\"dir\": \"x\", \"lenses\": true}}", "/capture/lenses");
     bad("{\"headset\": {\"name\": \"x\", \"color\": 1}}", "/headset");
     bad("{\"clock\": \"real\", \"clock\": \"real\"}", "s.json");
 }
@@ -140,6 +159,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults_are_the_tables),
         cmocka_unit_test(everything_is_read),
+        cmocka_unit_test(capture_outputs),
         cmocka_unit_test(errors_name_their_place),
     };
     return cmocka_run_group_tests(tests, make_dir, remove_dir);
