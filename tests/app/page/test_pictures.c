@@ -29,7 +29,12 @@ static void write_plain(const struct ap_capture *c, int64_t frame, const char *s
 static struct ap_capture plain_capture(const char *dir, int frames) {
     struct ap_capture c = synth_capture(dir, (struct ap_space){0, 1}, AP_VIEW_NATIVE, 2 * frames);
     for (int e = 0; e < 2; e++) // even eyes: the anaglyph moves nothing
-        c.headset.eye[e] = (struct ap_eye_profile){30, 20, -0.7, 0.7, 0.6, -0.6, 0};
+        c.headset.eye[e] = (struct ap_eye_profile){.width_px = 30,
+                                                   .height_px = 20,
+                                                   .left_rad = -0.7,
+                                                   .right_rad = 0.7,
+                                                   .up_rad = 0.6,
+                                                   .down_rad = -0.6};
     for (size_t k = 0; k < c.frame_count; k++) {
         write_plain(&c, c.frames[k].frame, "left.png", 30, 20, (uint8_t)(60 + k));
         write_plain(&c, c.frames[k].frame, "right.png", 30, 20, 200);
@@ -90,8 +95,18 @@ static void anaglyphs_of_uneven_eyes_lie_together(void **state) {
     (void)state;
     char *dir = synth_folder();
     struct ap_capture c = plain_capture(dir, 1);
-    c.headset.eye[0] = (struct ap_eye_profile){300, 20, -0.8, 0.6, 0.6, -0.6, 0};
-    c.headset.eye[1] = (struct ap_eye_profile){300, 20, -0.6, 0.8, 0.6, -0.6, 0};
+    c.headset.eye[0] = (struct ap_eye_profile){.width_px = 300,
+                                               .height_px = 20,
+                                               .left_rad = -0.8,
+                                               .right_rad = 0.6,
+                                               .up_rad = 0.6,
+                                               .down_rad = -0.6};
+    c.headset.eye[1] = (struct ap_eye_profile){.width_px = 300,
+                                               .height_px = 20,
+                                               .left_rad = -0.6,
+                                               .right_rad = 0.8,
+                                               .up_rad = 0.6,
+                                               .down_rad = -0.6};
     for (int e = 0; e < 2; e++) {
         double l = tan(c.headset.eye[e].left_rad), r = tan(c.headset.eye[e].right_rad);
         struct ap_image image;
