@@ -99,6 +99,10 @@ int main(int argc, char **argv) {
         "1403636580843555328,4.6,-1.7,0.8,0.53,-0.15,-0.82,-0.08,0.1,0.2\n",
         "\xef\xbb\xbf\r\n",
         "D: 0\nR: 2 05 01\nE: 000000.000000 1 00\n",
+        "# F: 2 01 1f\nD: 0\nR: 12 05 20 0a 83 04 75 10 95 04 81 02 00\nN: a b\nP: \nI: 5 054c "
+        "0df0\nE: 000000.000000 8 00 00 00 00 00 00 ff 7f\nE: 000000.010000 8 00 00 00 00 82 5a "
+        "82 5a\nD: 1\nI: 3 1209 7690\nE: 000000.010000 32 ff 00 01 00 00 ee ff c0 00 00 00 00 00 "
+        "00 00 00 01 00 00 00 00 00 82 5a 82 5a 00 00 00 00 00 00\n",
         ""};
     static const char *const words[] = {"\n",     "\r\n",
                                         ",",      " ",
@@ -109,7 +113,8 @@ int main(int argc, char **argv) {
                                         "head",   "left",
                                         ".",      "\xef\xbb\xbf",
                                         "\t",     "99999999999999999999999",
-                                        "1e-400", "t_ns"};
+                                        "1e-400", "t_ns",
+                                        "D: 1",   "E: 1.5 1 00"};
     return mutate_run(seeds, sizeof seeds / sizeof *seeds, words, sizeof words / sizeof *words,
                       argc > 1 ? atoi(argv[1]) : 8000);
 }

@@ -33,7 +33,8 @@ struct ap_report_log {
     int given;                        // how many of them have been taken
     int current, device_count;
     bool is_numbered; // a D: line has been seen
-    struct device devices[AP_REPORT_LOG_DEVICES_MAX];
+    struct device *devices[AP_REPORT_LOG_DEVICES_MAX];
+    struct device first;
 };
 
 struct ap_report_log *ap_report_log_create(void) {
@@ -41,11 +42,14 @@ struct ap_report_log *ap_report_log_create(void) {
     if (!log)
         return NULL;
     log->last_t_ns = INT64_MIN;
-    log->device_count = 1; // of the lines before the first D:
+    log->devices[0] = &log->first; // of the lines before the first D:, too
+    log->device_count = 1;
     return log;
 }
 
 void ap_report_log_destroy(struct ap_report_log *log) {
+    for (int i = 1; log && i < log->device_count; i++)
+        free(log->devices[i]);
     free(log);
 }
 
@@ -58,18 +62,22 @@ static bool choose_device(struct ap_report_log *log, const char *line, struct ap
     int64_t number = log->line.device;
     if (!log->is_numbered) {
         log->is_numbered = true;
-        log->devices[0].number = number;
+        log->first.number = number;
     }
     for (int i = 0; i < log->device_count; i++)
-        if (log->devices[i].number == number) {
+        if (log->devices[i]->number == number) {
             log->current = i;
             return true;
         }
     if (log->device_count == AP_REPORT_LOG_DEVICES_MAX)
         return ap_bad_line_at(bad, line, line, "at most %d devices in a recording",
                               AP_REPORT_LOG_DEVICES_MAX);
+    struct device *d = calloc(1, sizeof *d);
+    if (!d)
+        return ap_bad_line_at(bad, line, line, "memory for another device");
+    d->number = number;
     log->current = log->device_count++;
-    log->devices[log->current].number = number;
+    log->devices[log->current] = d;
     return true;
 }
 
@@ -145,7 +153,7 @@ bool ap_report_log_feed(struct ap_report_log *log, const char *line, size_t len,
     l->bytes_column = 1;
     if (!ap_hid_parse_line(line, len, l, bad))
         return false;
-    struct device *d = &log->devices[log->current];
+    struct device *d = log->devices[log->current];
     switch (l->kind) {
     case AP_HID_LINE_DEVICE:
         return choose_device(log, line, bad);
@@ -214,7 +222,7 @@ static struct ap_pose place(const struct ap_driver_sample *s, enum ap_body_part 
 bool ap_report_log_take(struct ap_report_log *log, struct ap_row *row) {
     while (log->given < log->samples.count) {
         const struct ap_driver_sample *s = &log->samples.at[log->given++];
-        struct device *d = &log->devices[log->current];
+        struct device *d = log->devices[log->current];
         // A cap's two reports may come at one time; in no time nothing flies.
         bool again = s->kind == AP_SAMPLE_FLIGHT && d->names[s->tracker] &&
                      d->last_flight_ns == log->line.t_ns;
@@ -248,12 +256,12 @@ enum ap_status ap_report_log_check_end(struct ap_error *err, const struct ap_rep
                                        const char *file) {
     if (!log->report_count)
         return ap_fail(err, AP_INPUT, "%s: no report in this HID recording", file);
-    const struct ap_device_info *info = &log->devices[0].info;
+    const struct ap_device_info *info = &log->first.info;
     for (int i = 0; i < log->device_count; i++) {
-        if (log->devices[i].driver)
+        if (log->devices[i]->driver)
             return AP_OK;
-        if (log->devices[i].sought)
-            info = &log->devices[i].info;
+        if (log->devices[i]->sought)
+            info = &log->devices[i]->info;
     }
     char drivers[256] = "";
     list_drivers(drivers, sizeof drivers);

@@ -9,7 +9,7 @@ struct ap_report_log;
 
 enum { AP_REPORT_LOG_DEVICES_MAX = 64 };
 
-// NULL where there is no memory; nothing is allocated later.
+// NULL where there is no memory.
 struct ap_report_log *ap_report_log_create(void);
 void ap_report_log_destroy(struct ap_report_log *log);
 
