@@ -33,7 +33,7 @@ enum { PROFILE_COUNT = sizeof profiles / sizeof profiles[0] };
 
 static enum ap_status to_path(struct ap_error *err, struct ap_xr *xr, const char *text,
                               XrPath *path) {
-    return ap_xr_check(err, xr, xrStringToPath(xr->instance, text, path), "xrStringToPath");
+    return ap_xr_check(err, xr, ap_xrl.StringToPath(xr->instance, text, path), "xrStringToPath");
 }
 
 static enum ap_status create_action(struct ap_error *err, struct ap_xr *xr, const char *name,
@@ -44,7 +44,8 @@ static enum ap_status create_action(struct ap_error *err, struct ap_xr *xr, cons
                                .subactionPaths = xr->actions.hand};
     snprintf(info.actionName, sizeof info.actionName, "%s", name);
     snprintf(info.localizedActionName, sizeof info.localizedActionName, "%s", title);
-    return ap_xr_check(err, xr, xrCreateAction(xr->actions.set, &info, action), "xrCreateAction");
+    return ap_xr_check(err, xr, ap_xrl.CreateAction(xr->actions.set, &info, action),
+                       "xrCreateAction");
 }
 
 static enum ap_status create_actions(struct ap_error *err, struct ap_xr *xr) {
@@ -97,7 +98,7 @@ static enum ap_status suggest(struct ap_error *err, struct ap_xr *xr,
     enum ap_status st = to_path(err, xr, profile->profile, &info.interactionProfile);
     if (st)
         return st;
-    XrResult r = xrSuggestInteractionProfileBindings(xr->instance, &info);
+    XrResult r = ap_xrl.SuggestInteractionProfileBindings(xr->instance, &info);
     // A runtime need not know every controller; it must know one of these.
     return r == XR_ERROR_PATH_UNSUPPORTED
                ? AP_OK
@@ -113,8 +114,8 @@ static enum ap_status create_spaces(struct ap_error *err, struct ap_xr *xr) {
                                         .subactionPath = a->hand[hand],
                                         .poseInActionSpace = {.orientation = {0, 0, 0, 1}}};
         XrSpace *space = i % 2 ? &a->aim_space[hand] : &a->grip_space[hand];
-        enum ap_status st = ap_xr_check(err, xr, xrCreateActionSpace(xr->session, &info, space),
-                                        "xrCreateActionSpace");
+        enum ap_status st = ap_xr_check(
+            err, xr, ap_xrl.CreateActionSpace(xr->session, &info, space), "xrCreateActionSpace");
         if (st)
             return st;
     }
@@ -130,7 +131,7 @@ enum ap_status ap_xr_actions_create(struct ap_error *err, struct ap_xr *xr) {
                                   .actionSetName = "hands",
                                   .localizedActionSetName = "Hands"};
     if (!st)
-        st = ap_xr_check(err, xr, xrCreateActionSet(xr->instance, &info, &a->set),
+        st = ap_xr_check(err, xr, ap_xrl.CreateActionSet(xr->instance, &info, &a->set),
                          "xrCreateActionSet");
     if (!st)
         st = create_actions(err, xr);
@@ -142,7 +143,7 @@ enum ap_status ap_xr_actions_create(struct ap_error *err, struct ap_xr *xr) {
                                             .countActionSets = 1,
                                             .actionSets = &a->set};
     return st ? st
-              : ap_xr_check(err, xr, xrAttachSessionActionSets(xr->session, &attach),
+              : ap_xr_check(err, xr, ap_xrl.AttachSessionActionSets(xr->session, &attach),
                             "xrAttachSessionActionSets");
 }
 
@@ -152,7 +153,7 @@ static enum ap_status read_float(struct ap_error *err, struct ap_xr *xr, XrActio
                                 .action = action,
                                 .subactionPath = xr->actions.hand[hand]};
     XrActionStateFloat state = {.type = XR_TYPE_ACTION_STATE_FLOAT};
-    enum ap_status st = ap_xr_check(err, xr, xrGetActionStateFloat(xr->session, &get, &state),
+    enum ap_status st = ap_xr_check(err, xr, ap_xrl.GetActionStateFloat(xr->session, &get, &state),
                                     "xrGetActionStateFloat");
     if (!st)
         *value = state.isActive ? fminf(fmaxf(state.currentState, 0), 1) : 0;
@@ -173,7 +174,7 @@ static enum ap_status read_hand(struct ap_error *err, struct ap_xr *xr, XrTime t
         .type = XR_TYPE_ACTION_STATE_GET_INFO, .action = a->select, .subactionPath = a->hand[hand]};
     XrActionStateBoolean select = {.type = XR_TYPE_ACTION_STATE_BOOLEAN};
     if (!st)
-        st = ap_xr_check(err, xr, xrGetActionStateBoolean(xr->session, &get, &select),
+        st = ap_xr_check(err, xr, ap_xrl.GetActionStateBoolean(xr->session, &get, &select),
                          "xrGetActionStateBoolean");
     out->select = !st && select.isActive && select.currentState;
     return st;
@@ -185,7 +186,7 @@ enum ap_status ap_xr_actions_read(struct ap_error *err, struct ap_xr *xr, XrTime
     XrActiveActionSet active = {.actionSet = xr->actions.set};
     XrActionsSyncInfo sync = {
         .type = XR_TYPE_ACTIONS_SYNC_INFO, .countActiveActionSets = 1, .activeActionSets = &active};
-    XrResult r = xrSyncActions(xr->session, &sync);
+    XrResult r = ap_xrl.SyncActions(xr->session, &sync);
     enum ap_status st = ap_xr_check(err, xr, r, "xrSyncActions");
     // Without focus the hands stay away: that is an answer, not an error.
     for (int hand = 0; !st && r != XR_SESSION_NOT_FOCUSED && hand < 2; hand++)
@@ -204,6 +205,6 @@ enum ap_status ap_xr_haptic(struct ap_error *err, struct ap_xr *xr, int hand, do
                                .action = xr->actions.haptic,
                                .subactionPath = xr->actions.hand[hand]};
     return ap_xr_check(
-        err, xr, xrApplyHapticFeedback(xr->session, &info, (const XrHapticBaseHeader *)&pulse),
+        err, xr, ap_xrl.ApplyHapticFeedback(xr->session, &info, (const XrHapticBaseHeader *)&pulse),
         "xrApplyHapticFeedback");
 }

@@ -13,7 +13,7 @@ enum ap_status ap_xr_locate(struct ap_error *err, struct ap_xr *xr, XrSpace spac
                             struct ap_xr_located *located) {
     XrSpaceLocation at = {.type = XR_TYPE_SPACE_LOCATION};
     enum ap_status st =
-        ap_xr_check(err, xr, xrLocateSpace(space, xr->stage, time, &at), "xrLocateSpace");
+        ap_xr_check(err, xr, ap_xrl.LocateSpace(space, xr->stage, time, &at), "xrLocateSpace");
     if (st)
         return st;
     const XrSpaceLocationFlags valid =
@@ -33,7 +33,9 @@ enum ap_status ap_xr_create(struct ap_error *err, const struct ap_xr_params *par
     struct ap_xr *xr = calloc(1, sizeof *xr);
     if (!xr)
         return ap_fail(err, AP_ENVIRONMENT, "out of memory");
-    enum ap_status st = ap_xr_instance_create(err, params, xr);
+    enum ap_status st = ap_xr_loader_open(err);
+    if (!st)
+        st = ap_xr_instance_create(err, params, xr);
     if (!st)
         st = ap_xr_vulkan_create(err, xr);
     if (!st)
@@ -56,15 +58,15 @@ void ap_xr_destroy(struct ap_xr *xr) {
         vkDeviceWaitIdle(xr->vk_device);
     // Children go with their parents: spaces and swapchains with the session, actions with the set.
     if (xr->session)
-        xrDestroySession(xr->session);
+        ap_xrl.DestroySession(xr->session);
     if (xr->actions.set)
-        xrDestroyActionSet(xr->actions.set);
+        ap_xrl.DestroyActionSet(xr->actions.set);
     if (xr->vk_device)
         vkDestroyDevice(xr->vk_device, NULL);
     if (xr->vk_instance)
         vkDestroyInstance(xr->vk_instance, NULL);
     if (xr->instance)
-        xrDestroyInstance(xr->instance);
+        ap_xrl.DestroyInstance(xr->instance);
     free(xr);
 }
 
@@ -101,7 +103,7 @@ static enum ap_status locate_in(struct ap_error *err, struct ap_xr *xr, XrSpace 
     for (int i = 0; i < 2; i++)
         located[i] = (XrView){.type = XR_TYPE_VIEW};
     uint32_t count = 0;
-    return ap_xr_check(err, xr, xrLocateViews(xr->session, &info, &state, 2, &count, located),
+    return ap_xr_check(err, xr, ap_xrl.LocateViews(xr->session, &info, &state, 2, &count, located),
                        "xrLocateViews");
 }
 
@@ -140,11 +142,11 @@ enum ap_status ap_xr_begin_frame(struct ap_error *err, struct ap_xr *xr, struct 
     XrFrameWaitInfo wait = {.type = XR_TYPE_FRAME_WAIT_INFO};
     XrFrameState state = {.type = XR_TYPE_FRAME_STATE};
     enum ap_status st =
-        ap_xr_check(err, xr, xrWaitFrame(xr->session, &wait, &state), "xrWaitFrame");
+        ap_xr_check(err, xr, ap_xrl.WaitFrame(xr->session, &wait, &state), "xrWaitFrame");
     if (st)
         return st;
     XrFrameBeginInfo begin = {.type = XR_TYPE_FRAME_BEGIN_INFO};
-    st = ap_xr_check(err, xr, xrBeginFrame(xr->session, &begin), "xrBeginFrame");
+    st = ap_xr_check(err, xr, ap_xrl.BeginFrame(xr->session, &begin), "xrBeginFrame");
     if (st)
         return st;
     struct ap_xr_frame frame = {.time_ns = state.predictedDisplayTime,
@@ -160,7 +162,7 @@ static enum ap_status release_images(struct ap_error *err, struct ap_xr *xr) {
     enum ap_status st = AP_OK;
     for (int i = 0; !st && i < xr->swapchain_count; i++) {
         XrSwapchainImageReleaseInfo info = {.type = XR_TYPE_SWAPCHAIN_IMAGE_RELEASE_INFO};
-        st = ap_xr_check(err, xr, xrReleaseSwapchainImage(xr->swapchain[i].handle, &info),
+        st = ap_xr_check(err, xr, ap_xrl.ReleaseSwapchainImage(xr->swapchain[i].handle, &info),
                          "xrReleaseSwapchainImage");
     }
     return st;
@@ -197,5 +199,5 @@ enum ap_status ap_xr_end_frame(struct ap_error *err, struct ap_xr *xr,
                           .environmentBlendMode = xr->blend,
                           .layerCount = drawn ? 1 : 0,
                           .layers = layers};
-    return ap_xr_check(err, xr, xrEndFrame(xr->session, &end), "xrEndFrame");
+    return ap_xr_check(err, xr, ap_xrl.EndFrame(xr->session, &end), "xrEndFrame");
 }

@@ -7,7 +7,7 @@ enum { MAX_EXTENSIONS = 512 };
 
 static const char *result_name(const struct ap_xr *xr, XrResult result,
                                char text[XR_MAX_RESULT_STRING_SIZE]) {
-    if (!xr->instance || xrResultToString(xr->instance, result, text) != XR_SUCCESS)
+    if (!xr->instance || ap_xrl.ResultToString(xr->instance, result, text) != XR_SUCCESS)
         snprintf(text, XR_MAX_RESULT_STRING_SIZE, "XrResult %d", (int)result);
     return text;
 }
@@ -25,7 +25,7 @@ enum ap_status ap_xr_check(struct ap_error *err, struct ap_xr *xr, XrResult resu
 
 static enum ap_status choose_extension(struct ap_error *err, bool older, bool *vulkan2) {
     uint32_t count = 0;
-    XrResult r = xrEnumerateInstanceExtensionProperties(NULL, 0, &count, NULL);
+    XrResult r = ap_xrl.EnumerateInstanceExtensionProperties(NULL, 0, &count, NULL);
     if (r != XR_SUCCESS)
         return ap_fail(err, AP_ENVIRONMENT,
                        "no OpenXR runtime could be loaded (XrResult %d): check the manifest that "
@@ -37,7 +37,7 @@ static enum ap_status choose_extension(struct ap_error *err, bool older, bool *v
         count = MAX_EXTENSIONS;
     for (uint32_t i = 0; i < count; i++)
         properties[i] = (XrExtensionProperties){.type = XR_TYPE_EXTENSION_PROPERTIES};
-    r = xrEnumerateInstanceExtensionProperties(NULL, count, &count, properties);
+    r = ap_xrl.EnumerateInstanceExtensionProperties(NULL, count, &count, properties);
     bool one = false, two = false;
     for (uint32_t i = 0; r == XR_SUCCESS && i < count; i++) {
         const char *name = properties[i].extensionName;
@@ -55,7 +55,7 @@ static enum ap_status choose_extension(struct ap_error *err, bool older, bool *v
 static enum ap_status get_system(struct ap_error *err, struct ap_xr *xr) {
     XrSystemGetInfo get = {.type = XR_TYPE_SYSTEM_GET_INFO,
                            .formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY};
-    XrResult r = xrGetSystem(xr->instance, &get, &xr->system);
+    XrResult r = ap_xrl.GetSystem(xr->instance, &get, &xr->system);
     if (r == XR_ERROR_FORM_FACTOR_UNAVAILABLE)
         return ap_fail(err, AP_ENVIRONMENT,
                        "%s: no headset is there right now: plug it in, or switch it on",
@@ -64,7 +64,7 @@ static enum ap_status get_system(struct ap_error *err, struct ap_xr *xr) {
     if (st)
         return st;
     XrSystemProperties properties = {.type = XR_TYPE_SYSTEM_PROPERTIES};
-    r = xrGetSystemProperties(xr->instance, xr->system, &properties);
+    r = ap_xrl.GetSystemProperties(xr->instance, xr->system, &properties);
     if (r == XR_SUCCESS)
         memcpy(xr->system_name, properties.systemName, sizeof xr->system_name);
     return ap_xr_check(err, xr, r, "xrGetSystemProperties");
@@ -88,13 +88,13 @@ enum ap_status ap_xr_instance_create(struct ap_error *err, const struct ap_xr_pa
     };
     snprintf(info.applicationInfo.applicationName, XR_MAX_APPLICATION_NAME_SIZE, "%.63s",
              params->application);
-    XrResult r = xrCreateInstance(&info, &xr->instance);
+    XrResult r = ap_xrl.CreateInstance(&info, &xr->instance);
     if (r != XR_SUCCESS) {
         xr->instance = XR_NULL_HANDLE;
         return ap_xr_check(err, xr, r, "xrCreateInstance");
     }
     XrInstanceProperties properties = {.type = XR_TYPE_INSTANCE_PROPERTIES};
-    if (xrGetInstanceProperties(xr->instance, &properties) == XR_SUCCESS)
+    if (ap_xrl.GetInstanceProperties(xr->instance, &properties) == XR_SUCCESS)
         memcpy(xr->runtime_name, properties.runtimeName, sizeof xr->runtime_name);
     return get_system(err, xr);
 }

@@ -7,6 +7,7 @@
 #include <openxr/openxr_platform.h>
 
 #include "xr/client.h"
+#include "xr/loader.h"
 
 enum { AP_XR_MAX_IMAGES = 16 };
 

@@ -7,14 +7,14 @@ static enum ap_status create_space(struct ap_error *err, struct ap_xr *xr,
     XrReferenceSpaceCreateInfo info = {.type = XR_TYPE_REFERENCE_SPACE_CREATE_INFO,
                                        .referenceSpaceType = type,
                                        .poseInReferenceSpace = {.orientation = {0, 0, 0, 1}}};
-    return ap_xr_check(err, xr, xrCreateReferenceSpace(xr->session, &info, space),
+    return ap_xr_check(err, xr, ap_xrl.CreateReferenceSpace(xr->session, &info, space),
                        "xrCreateReferenceSpace");
 }
 
 static bool offers_stage(struct ap_xr *xr) {
     XrReferenceSpaceType types[32];
     uint32_t count = 0;
-    if (XR_FAILED(xrEnumerateReferenceSpaces(xr->session, 32, &count, types)))
+    if (XR_FAILED(ap_xrl.EnumerateReferenceSpaces(xr->session, 32, &count, types)))
         return false;
     for (uint32_t i = 0; i < count; i++)
         if (types[i] == XR_REFERENCE_SPACE_TYPE_STAGE)
@@ -25,7 +25,7 @@ static bool offers_stage(struct ap_xr *xr) {
 static enum ap_status choose_blend_mode(struct ap_error *err, struct ap_xr *xr) {
     XrEnvironmentBlendMode modes[8];
     uint32_t count = 0;
-    XrResult r = xrEnumerateEnvironmentBlendModes(
+    XrResult r = ap_xrl.EnumerateEnvironmentBlendModes(
         xr->instance, xr->system, XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO, 8, &count, modes);
     if (XR_FAILED(r) || count == 0)
         return ap_xr_check(err, xr, XR_FAILED(r) ? r : XR_ERROR_RUNTIME_FAILURE,
@@ -46,8 +46,8 @@ enum ap_status ap_xr_session_create(struct ap_error *err, struct ap_xr *xr) {
                                           .queueIndex = 0};
     XrSessionCreateInfo info = {
         .type = XR_TYPE_SESSION_CREATE_INFO, .next = &binding, .systemId = xr->system};
-    enum ap_status st =
-        ap_xr_check(err, xr, xrCreateSession(xr->instance, &info, &xr->session), "xrCreateSession");
+    enum ap_status st = ap_xr_check(
+        err, xr, ap_xrl.CreateSession(xr->instance, &info, &xr->session), "xrCreateSession");
     if (st)
         return st;
     st = create_space(err, xr, XR_REFERENCE_SPACE_TYPE_VIEW, &xr->view);
@@ -64,7 +64,8 @@ static enum ap_status begin_session(struct ap_error *err, struct ap_xr *xr) {
     XrSessionBeginInfo info = {.type = XR_TYPE_SESSION_BEGIN_INFO,
                                .primaryViewConfigurationType =
                                    XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO};
-    enum ap_status st = ap_xr_check(err, xr, xrBeginSession(xr->session, &info), "xrBeginSession");
+    enum ap_status st =
+        ap_xr_check(err, xr, ap_xrl.BeginSession(xr->session, &info), "xrBeginSession");
     xr->running = st == AP_OK;
     return st;
 }
@@ -76,7 +77,7 @@ static enum ap_status handle_state(struct ap_error *err, struct ap_xr *xr, XrSes
         return begin_session(err, xr);
     case XR_SESSION_STATE_STOPPING:
         xr->running = false;
-        return ap_xr_check(err, xr, xrEndSession(xr->session), "xrEndSession");
+        return ap_xr_check(err, xr, ap_xrl.EndSession(xr->session), "xrEndSession");
     case XR_SESSION_STATE_EXITING:
         xr->ended = true;
         return AP_OK;
@@ -102,7 +103,7 @@ static enum ap_status handle_event(struct ap_error *err, struct ap_xr *xr,
 enum ap_status ap_xr_poll(struct ap_error *err, struct ap_xr *xr, enum ap_xr_state *state) {
     while (!xr->lost) {
         XrEventDataBuffer event = {.type = XR_TYPE_EVENT_DATA_BUFFER};
-        XrResult r = xrPollEvent(xr->instance, &event);
+        XrResult r = ap_xrl.PollEvent(xr->instance, &event);
         if (r == XR_EVENT_UNAVAILABLE)
             break;
         enum ap_status st = ap_xr_check(err, xr, r, "xrPollEvent");
@@ -125,5 +126,5 @@ enum ap_status ap_xr_request_exit(struct ap_error *err, struct ap_xr *xr) {
         xr->ended = true;
         return AP_OK;
     }
-    return ap_xr_check(err, xr, xrRequestExitSession(xr->session), "xrRequestExitSession");
+    return ap_xr_check(err, xr, ap_xrl.RequestExitSession(xr->session), "xrRequestExitSession");
 }

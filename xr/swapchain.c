@@ -10,9 +10,9 @@ static bool is_srgb(int64_t format, bool rgba_only) {
 static enum ap_status choose_format(struct ap_error *err, bool prefer_rgba, struct ap_xr *xr) {
     int64_t formats[MAX_FORMATS];
     uint32_t count = 0;
-    enum ap_status st =
-        ap_xr_check(err, xr, xrEnumerateSwapchainFormats(xr->session, MAX_FORMATS, &count, formats),
-                    "xrEnumerateSwapchainFormats");
+    enum ap_status st = ap_xr_check(
+        err, xr, ap_xrl.EnumerateSwapchainFormats(xr->session, MAX_FORMATS, &count, formats),
+        "xrEnumerateSwapchainFormats");
     if (st)
         return st;
     for (int pass = prefer_rgba ? 0 : 1; pass < 2; pass++)
@@ -31,9 +31,9 @@ static enum ap_status read_view_sizes(struct ap_error *err, struct ap_xr *xr) {
         xr->config[i] = (XrViewConfigurationView){.type = XR_TYPE_VIEW_CONFIGURATION_VIEW};
     enum ap_status st =
         ap_xr_check(err, xr,
-                    xrEnumerateViewConfigurationViews(xr->instance, xr->system,
-                                                      XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO, 2,
-                                                      &count, xr->config),
+                    ap_xrl.EnumerateViewConfigurationViews(
+                        xr->instance, xr->system, XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO, 2,
+                        &count, xr->config),
                     "xrEnumerateViewConfigurationViews");
     if (st)
         return st;
@@ -58,17 +58,18 @@ static enum ap_status create_swapchain(struct ap_error *err, struct ap_xr *xr, u
                                   .faceCount = 1,
                                   .arraySize = layers,
                                   .mipCount = 1};
-    enum ap_status st = ap_xr_check(
-        err, xr, xrCreateSwapchain(xr->session, &info, &swapchain->handle), "xrCreateSwapchain");
+    enum ap_status st =
+        ap_xr_check(err, xr, ap_xrl.CreateSwapchain(xr->session, &info, &swapchain->handle),
+                    "xrCreateSwapchain");
     if (st)
         return st;
     XrSwapchainImageVulkanKHR images[AP_XR_MAX_IMAGES];
     for (int i = 0; i < AP_XR_MAX_IMAGES; i++)
         images[i] = (XrSwapchainImageVulkanKHR){.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR};
     st = ap_xr_check(err, xr,
-                     xrEnumerateSwapchainImages(swapchain->handle, AP_XR_MAX_IMAGES,
-                                                &swapchain->image_count,
-                                                (XrSwapchainImageBaseHeader *)images),
+                     ap_xrl.EnumerateSwapchainImages(swapchain->handle, AP_XR_MAX_IMAGES,
+                                                     &swapchain->image_count,
+                                                     (XrSwapchainImageBaseHeader *)images),
                      "xrEnumerateSwapchainImages");
     for (uint32_t i = 0; !st && i < swapchain->image_count; i++)
         swapchain->images[i] = images[i].image;
@@ -97,10 +98,10 @@ static enum ap_status acquire_one(struct ap_error *err, struct ap_xr *xr,
     XrSwapchainImageWaitInfo wait = {.type = XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO,
                                      .timeout = XR_INFINITE_DURATION};
     enum ap_status st = ap_xr_check(
-        err, xr, xrAcquireSwapchainImage(swapchain->handle, &acquire, &swapchain->acquired),
+        err, xr, ap_xrl.AcquireSwapchainImage(swapchain->handle, &acquire, &swapchain->acquired),
         "xrAcquireSwapchainImage");
     if (!st)
-        st = ap_xr_check(err, xr, xrWaitSwapchainImage(swapchain->handle, &wait),
+        st = ap_xr_check(err, xr, ap_xrl.WaitSwapchainImage(swapchain->handle, &wait),
                          "xrWaitSwapchainImage");
     if (!st && swapchain->acquired >= swapchain->image_count)
         st = ap_fail(err, AP_ENVIRONMENT, "%s handed out a swapchain image that does not exist",

@@ -11,7 +11,7 @@ enum { MAX_NAMES = 64, MAX_FAMILIES = 32 };
 
 static enum ap_status get_proc(struct ap_error *err, struct ap_xr *xr, const char *name,
                                PFN_xrVoidFunction *function) {
-    return ap_xr_check(err, xr, xrGetInstanceProcAddr(xr->instance, name, function), name);
+    return ap_xr_check(err, xr, ap_xrl.GetInstanceProcAddr(xr->instance, name, function), name);
 }
 
 #define GET_PROC(err, xr, name, fn) get_proc(err, xr, #name, (PFN_xrVoidFunction *)(fn))

@@ -54,6 +54,9 @@ echo '{"space": {"geometry": "s3", "radius_m": 0.5}, "objects": [{"ball": {"at_m
 	>"$work/big.json"
 expect 3 'big.json: /objects/0/ball/radius_m' "$antipode" replay --scene "$work/big.json" --out "$work/x" "$work/walk.csv"
 expect 4 'cannot be written|cannot be made' "$antipode" replay --out /proc/nowhere/out "$work/walk.csv"
+mkdir "$work/noloader" && : >"$work/noloader/libopenxr_loader.so.1"
+expect 4 'install libopenxr-loader1' env LD_LIBRARY_PATH="$work/noloader" \
+	"$antipode" replay --headset "$ci" --out "$work/x" "$work/walk.csv"
 expect 4 'XR_RUNTIME_JSON' env XR_RUNTIME_JSON=/nowhere.json "$antipode" play --seconds 1
 
 "$antipode" walk --seconds 0.5 >"$work/short.csv"
