@@ -16,9 +16,6 @@ static uint32_t reference_space_count(const struct sim_session *session) {
 // What the walk and the window's person have: a room of 4 m by 4 m. A recording says nothing of it.
 static const XrExtent2Df stage_bounds = {4.0f, 4.0f};
 
-// A pose is measured against itself this long ago for its velocity.
-enum { VELOCITY_STEP_NS = 1000000 };
-
 struct sim_space *sim_space_get(XrSpace handle) {
     return sim_object_get(sim_raw(handle), SIM_SPACE);
 }
@@ -137,34 +134,19 @@ static struct sim_located relative(const struct sim_space *space, const struct s
                                              : AP_POSE_IDENTITY};
 }
 
-static XrVector3f vector(struct ap_vec3 v) {
-    return (XrVector3f){(float)v.x, (float)v.y, (float)v.z};
-}
-
-// How the space moves against its base: backward differences, which are exact for the straight
-// lines and arcs that interpolation gives.
+// How the space moves against its base.
 static void fill_velocity(const struct sim_space *space, const struct sim_space *base, XrTime time,
                           XrSpaceVelocity *velocity) {
     velocity->velocityFlags = 0;
     velocity->linearVelocity = velocity->angularVelocity = (XrVector3f){0, 0, 0};
     struct sim_located now = relative(space, base, time);
-    struct sim_located then = relative(space, base, time - VELOCITY_STEP_NS);
+    struct sim_located then = relative(space, base, time - SIM_VELOCITY_STEP_NS);
     if (!(sim_location_flags(now.state) & sim_location_flags(then.state) &
           XR_SPACE_LOCATION_POSITION_TRACKED_BIT))
         return;
-    double per_s = 1e9 / VELOCITY_STEP_NS;
     velocity->velocityFlags =
         XR_SPACE_VELOCITY_LINEAR_VALID_BIT | XR_SPACE_VELOCITY_ANGULAR_VALID_BIT;
-    velocity->linearVelocity = vector(ap_vec3_scale(per_s, ap_vec3_sub(now.pose.p, then.pose.p)));
-    struct ap_quat turn = ap_quat_mul(now.pose.q, ap_quat_conj(then.pose.q));
-    struct ap_vec3 axis = {turn.x, turn.y, turn.z};
-    double s = ap_vec3_length(axis), c = turn.w;
-    if (c < 0) {
-        axis = ap_vec3_scale(-1, axis);
-        c = -c;
-    }
-    if (s > 0)
-        velocity->angularVelocity = vector(ap_vec3_scale(2 * atan2(s, c) / s * per_s, axis));
+    sim_velocity(now.pose, then.pose, &velocity->linearVelocity, &velocity->angularVelocity);
 }
 
 XrResult XRAPI_CALL xrLocateSpace(XrSpace handle, XrSpace base_handle, XrTime time,

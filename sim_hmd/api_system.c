@@ -53,6 +53,10 @@ XrResult XRAPI_CALL xrGetSystemProperties(XrInstance handle, XrSystemId system,
     properties->graphicsProperties =
         (XrSystemGraphicsProperties){MAX_IMAGE_PX, MAX_IMAGE_PX, SIM_MAX_LAYERS};
     properties->trackingProperties = (XrSystemTrackingProperties){XR_TRUE, XR_TRUE};
+    XrSystemHandTrackingPropertiesEXT *hands =
+        sim_chained(properties, XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT);
+    if (hands && instance->enabled[SIM_EXT_hand_tracking])
+        hands->supportsHandTracking = XR_TRUE;
     return XR_SUCCESS;
 }
 

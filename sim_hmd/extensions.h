@@ -35,6 +35,7 @@
     X(KHR_vulkan_enable)                                                                           \
     X(KHR_convert_timespec_time)                                                                   \
     X(FB_display_refresh_rate)                                                                     \
+    X(EXT_hand_tracking)                                                                           \
     X(KHR_visibility_mask)                                                                         \
     X(EXT_conformance_automation)
 

@@ -15,6 +15,7 @@ enum sim_type {
     SIM_SWAPCHAIN,
     SIM_ACTION_SET,
     SIM_ACTION,
+    SIM_HAND_TRACKER,
 };
 
 // The first member of every object.

@@ -252,6 +252,11 @@ struct ap_pose sim_local_floor_in_stage(const struct sim_session *session, XrTim
 void sim_recentre_due(struct sim_session *session, const struct sim_prediction *frame,
                       uint32_t keys);
 
+// A pose is measured against itself this long ago for its velocity: backward differences, which are
+// exact for the straight lines and arcs that interpolation gives.
+enum { SIM_VELOCITY_STEP_NS = 1000000 };
+void sim_velocity(struct ap_pose now, struct ap_pose then, XrVector3f *linear, XrVector3f *angular);
+
 // layers.c: verifies what xrEndFrame was given and resolves it.
 XrResult sim_layers_resolve(struct sim_session *session, const XrFrameEndInfo *info,
                             struct sim_frame *frame);

@@ -9,9 +9,9 @@
 #include "src/device/inputlog.h"
 
 static const char *const top_keys[] = {
-    "headset",    "poses",   "clock",         "refresh_hz", "refresh_rates_hz",
-    "frames",     "capture", "window",        "inputs",     "controllers",
-    "recentre_s", "strict",  "strict_report", "draw",       NULL};
+    "headset",       "poses",  "clock",  "refresh_hz",  "refresh_rates_hz", "frames",
+    "capture",       "window", "inputs", "controllers", "recentre_s",       "strict",
+    "strict_report", "draw",   "hands",  NULL};
 static const char *const log_keys[] = {"logs", "up", "head_frame", "skip_bad", "table_at", NULL};
 static const char *const script_keys[] = {"script",     "table_edge_m", "table_height_m",
                                           "duration_s", "seed",         NULL};
@@ -364,6 +364,19 @@ static enum ap_status read_strict(struct ap_error *err, const struct ap_json_at 
     return s->strict_report ? AP_OK : no_memory(err);
 }
 
+static enum ap_status read_hands(struct ap_error *err, const struct ap_json_at *root,
+                                 struct sim_settings *s) {
+    const char *path;
+    enum ap_status st = ap_json_string(err, root, "hands", &path);
+    if (st)
+        return st;
+    struct ap_json_at at = ap_json_member(root, "hands");
+    if (!*path || strcmp(path, "-") == 0)
+        return ap_json_fail(err, &at, "expected a file's path");
+    s->hands = resolve_path(root->file, path);
+    return s->hands ? AP_OK : no_memory(err);
+}
+
 static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *root,
                                struct sim_settings *s) {
     bool virtual_clock = false;
@@ -389,6 +402,8 @@ static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *ro
         st = read_inputs(err, root, s);
     if (!st && ap_json_has(root, "recentre_s"))
         st = read_recentre(err, root, s);
+    if (!st && ap_json_has(root, "hands"))
+        st = read_hands(err, root, s);
     if (!st && ap_json_has(root, "controllers"))
         st = read_controllers(err, root, s);
     if (!st)
@@ -432,6 +447,7 @@ void sim_settings_finish(struct sim_settings *settings) {
     for (size_t i = 0; i < settings->input_count; i++)
         free(settings->inputs[i]);
     free(settings->inputs);
+    free(settings->hands);
     free(settings->capture_dir);
     free(settings->strict_report);
     *settings = (struct sim_settings){0};

@@ -25,6 +25,7 @@ struct sim_settings {
     enum sim_clock clock;
     char **logs; // "[role=]PATH", paths made absolute or relative to the process
     size_t log_count;
+    char *hands;   // recorded bare hands; NULL: none
     char **inputs; // input logs
     size_t input_count;
     double recentre_s[SIM_MAX_RECENTRE_TIMES]; // after the first frame, rising

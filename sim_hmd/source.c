@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim_hmd/hand_tracking.h"
 #include "sim_hmd/pacer.h"
 #include "sim_hmd/source_inputs.h"
 #include "sim_hmd/source_window.h"
@@ -27,6 +28,7 @@ struct sim_source {
     struct ap_walk_params walk;
     struct sim_window_player player; // window
     struct ap_inputlog *inputs;      // NULL: none
+    struct ap_handlog *hands;        // NULL: none
     bool warned_unheard;
     struct ap_pose first_local;
 };
@@ -141,6 +143,8 @@ enum ap_status sim_source_create(struct ap_error *err, const struct sim_settings
         st = load_logs(err, settings, s);
     if (!st && settings->input_count)
         st = load_inputs(err, settings, s);
+    if (!st && settings->hands)
+        st = ap_handlog_read(err, settings->hands, &s->hands);
     if (st) {
         sim_source_destroy(s);
         return st;
@@ -155,6 +159,7 @@ void sim_source_destroy(struct sim_source *source) {
         return;
     ap_timeline_destroy(source->timeline);
     ap_inputlog_destroy(source->inputs);
+    ap_handlog_destroy(source->hands);
     free(source);
 }
 
@@ -168,6 +173,20 @@ enum ap_pose_state sim_source_at(const struct sim_source *source, enum sim_devic
     if (__builtin_sub_overflow(xr_ns, source->first_xr_ns, &ns))
         return AP_POSE_NONE;
     return source->backend->at(source, device, ns, sample);
+}
+
+enum ap_pose_state sim_source_hand(const struct sim_source *source, int hand, int64_t xr_ns,
+                                   struct ap_hand *out) {
+    int64_t t_ns;
+    if (source->hands)
+        return log_time(source, xr_ns, &t_ns) ? ap_handlog_at(source->hands, hand, t_ns, out)
+                                              : AP_POSE_NONE;
+    struct ap_sample grip;
+    enum ap_pose_state state =
+        sim_source_at(source, hand == AP_HAND_LEFT ? SIM_LEFT : SIM_RIGHT, xr_ns, &grip);
+    if (state)
+        sim_make_hand(hand, grip.pose, (double)grip.trigger, (double)grip.squeeze, out);
+    return state;
 }
 
 bool sim_source_component(const struct sim_source *source, const struct sim_component *component,

@@ -6,6 +6,7 @@
 #include "sim_hmd/frame.h"
 #include "sim_hmd/profiles.h"
 #include "sim_hmd/settings.h"
+#include "src/device/handlog.h"
 #include "src/device/timeline.h"
 
 // Where head and hands are at a time: pose logs, the scripted walk, or the window's keyboard and
@@ -26,6 +27,11 @@ void sim_source_start(struct sim_source *source, int64_t first_xr_ns);
 
 enum ap_pose_state sim_source_at(const struct sim_source *source, enum sim_device device,
                                  int64_t xr_ns, struct ap_sample *sample);
+
+// The bare hand (AP_HAND_LEFT, AP_HAND_RIGHT): the recorded one, or a made-up one in the
+// controller's place where the settings name no recording.
+enum ap_pose_state sim_source_hand(const struct sim_source *source, int hand, int64_t xr_ns,
+                                   struct ap_hand *out);
 
 // What the input logs say of a component at a time; false where they say nothing (yet).
 bool sim_source_component(const struct sim_source *source, const struct sim_component *component,

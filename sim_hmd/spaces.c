@@ -97,3 +97,23 @@ struct sim_located sim_space_in_stage(const struct sim_space *space, XrTime time
         at.pose = ap_pose_mul(at.pose, space->parent_from_space);
     return at;
 }
+
+static XrVector3f vector(struct ap_vec3 v) {
+    return (XrVector3f){(float)v.x, (float)v.y, (float)v.z};
+}
+
+void sim_velocity(struct ap_pose now, struct ap_pose then, XrVector3f *linear,
+                  XrVector3f *angular) {
+    const double per_s = 1e9 / SIM_VELOCITY_STEP_NS;
+    *linear = vector(ap_vec3_scale(per_s, ap_vec3_sub(now.p, then.p)));
+    *angular = (XrVector3f){0, 0, 0};
+    struct ap_quat turn = ap_quat_mul(now.q, ap_quat_conj(then.q));
+    struct ap_vec3 axis = {turn.x, turn.y, turn.z};
+    double s = ap_vec3_length(axis), c = turn.w;
+    if (c < 0) {
+        axis = ap_vec3_scale(-1, axis);
+        c = -c;
+    }
+    if (s > 0)
+        *angular = vector(ap_vec3_scale(2 * atan2(s, c) / s * per_s, axis));
+}

@@ -47,6 +47,9 @@ int64_t ap_handlog_count(const struct ap_handlog *log, int hand); // frames
 enum ap_pose_state ap_handlog_at(const struct ap_handlog *log, int hand, int64_t t_ns,
                                  struct ap_hand *out);
 
+// The palm is the middle of the middle finger's metacarpal, turned like it.
+void ap_hand_derive_palm(struct ap_hand *hand);
+
 // "palm", "wrist", "thumb_metacarpal" … "little_tip".
 const char *ap_joint_name(int joint);
 

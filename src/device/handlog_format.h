@@ -9,9 +9,6 @@
 enum ap_status ap_handlog_add(struct ap_error *err, struct ap_handlog *log, int hand, int64_t t_ns,
                               const struct ap_hand *frame);
 
-// The palm is the middle of the middle finger's metacarpal, turned like it.
-void ap_hand_derive_palm(struct ap_hand *hand);
-
 enum ap_status ap_handlog_read_csv(struct ap_error *err, const char *path, struct ap_handlog *log);
 enum ap_status ap_handlog_read_iwer(struct ap_error *err, const char *path, struct ap_handlog *log);
 

@@ -64,6 +64,7 @@ static void functions_come_with_their_extension(void **state) {
         {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME, "xrCreateVulkanDeviceKHR"},
         {XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, "xrRequestDisplayRefreshRateFB"},
         {XR_KHR_VISIBILITY_MASK_EXTENSION_NAME, "xrGetVisibilityMaskKHR"},
+        {XR_EXT_HAND_TRACKING_EXTENSION_NAME, "xrLocateHandJointsEXT"},
     };
     client_settings(NULL);
     for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
@@ -284,6 +285,160 @@ static void visibility_mask_is_the_profiles(void **state) {
     client_stop(&c);
 }
 
+// What hand tracking's tests share.
+struct hands {
+    PFN_xrCreateHandTrackerEXT create;
+    PFN_xrDestroyHandTrackerEXT destroy;
+    PFN_xrLocateHandJointsEXT locate;
+    XrHandTrackerEXT tracker[2];
+    XrHandJointLocationEXT joint[XR_HAND_JOINT_COUNT_EXT];
+    XrHandJointVelocityEXT moves[XR_HAND_JOINT_COUNT_EXT];
+    XrBool32 active;
+};
+
+static void make_hands(struct client *c, struct hands *h) {
+    *(void **)&h->create = client_proc(c->instance, "xrCreateHandTrackerEXT");
+    *(void **)&h->destroy = client_proc(c->instance, "xrDestroyHandTrackerEXT");
+    *(void **)&h->locate = client_proc(c->instance, "xrLocateHandJointsEXT");
+    for (int i = 0; i < 2; i++) {
+        XrHandTrackerCreateInfoEXT info = {.type = XR_TYPE_HAND_TRACKER_CREATE_INFO_EXT,
+                                           .hand = i ? XR_HAND_RIGHT_EXT : XR_HAND_LEFT_EXT};
+        XR_OK(h->create(c->session, &info, &h->tracker[i]));
+    }
+}
+
+static XrResult locate_hand(struct hands *h, int hand, XrSpace base, XrTime time) {
+    XrHandJointVelocitiesEXT velocities = {.type = XR_TYPE_HAND_JOINT_VELOCITIES_EXT,
+                                           .jointCount = XR_HAND_JOINT_COUNT_EXT,
+                                           .jointVelocities = h->moves};
+    XrHandJointLocationsEXT out = {.type = XR_TYPE_HAND_JOINT_LOCATIONS_EXT,
+                                   .next = &velocities,
+                                   .jointCount = XR_HAND_JOINT_COUNT_EXT,
+                                   .jointLocations = h->joint};
+    XrHandJointsLocateInfoEXT info = {
+        .type = XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT, .baseSpace = base, .time = time};
+    XrResult result = h->locate(h->tracker[hand], &info, &out);
+    h->active = out.isActive;
+    return result;
+}
+
+static void hands_are_there_without_a_recording(void **state) {
+    (void)state;
+    client_settings("{\"clock\": \"virtual\"}");
+    struct client c = {0};
+    start(&c, XR_EXT_HAND_TRACKING_EXTENSION_NAME);
+    XrSystemHandTrackingPropertiesEXT has = {.type = XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT};
+    XrSystemProperties system = {.type = XR_TYPE_SYSTEM_PROPERTIES, .next = &has};
+    XR_OK(xrGetSystemProperties(c.instance, c.system, &system));
+    assert_int_equal(has.supportsHandTracking, XR_TRUE);
+    struct hands h;
+    make_hands(&c, &h);
+    XrTime time = frame(&c) + 500000000;
+    for (int hand = 0; hand < 2; hand++) {
+        XR_OK(locate_hand(&h, hand, c.stage, time));
+        assert_int_equal(h.active, XR_TRUE);
+        XrVector3f before = h.joint[XR_HAND_JOINT_INDEX_TIP_EXT].pose.position;
+        XrVector3f speed = h.moves[XR_HAND_JOINT_INDEX_TIP_EXT].linearVelocity;
+        for (int j = 0; j < XR_HAND_JOINT_COUNT_EXT; j++) {
+            assert_int_equal(h.joint[j].locationFlags, 15);
+            assert_int_equal(h.moves[j].velocityFlags, 3);
+            assert_true(h.joint[j].radius > 0 && h.joint[j].pose.position.y > 0.3f);
+        }
+        // The velocity is the way: over 2 ms.
+        XR_OK(locate_hand(&h, hand, c.stage, time + 2000000));
+        XrVector3f after = h.joint[XR_HAND_JOINT_INDEX_TIP_EXT].pose.position;
+        double off = hypot((double)(after.x - before.x) / 0.002 - (double)speed.x,
+                           (double)(after.z - before.z) / 0.002 - (double)speed.z);
+        if (off > 0.02)
+            fail_msg("velocity off by %g m/s, tolerance 0.02", off);
+    }
+    client_stop(&c);
+}
+
+static void hands_refuse_what_is_wrong(void **state) {
+    (void)state;
+    client_settings("{\"clock\": \"virtual\"}");
+    struct client c = {0};
+    start(&c, XR_EXT_HAND_TRACKING_EXTENSION_NAME);
+    struct hands h;
+    make_hands(&c, &h);
+    XrHandTrackerCreateInfoEXT info = {.type = XR_TYPE_HAND_TRACKER_CREATE_INFO_EXT, .hand = 3};
+    XrHandTrackerEXT more;
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, h.create(c.session, &info, &more));
+    info.hand = XR_HAND_LEFT_EXT;
+    info.handJointSet = 1;
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, h.create(c.session, &info, &more));
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, h.create(c.session, NULL, &more));
+    XR_IS(XR_ERROR_HANDLE_INVALID, h.create((XrSession)c.instance, &info, &more));
+    XR_IS(XR_ERROR_TIME_INVALID, locate_hand(&h, 0, c.stage, 0));
+    XR_IS(XR_ERROR_TIME_INVALID, locate_hand(&h, 0, c.stage, -5));
+    XR_IS(XR_ERROR_HANDLE_INVALID, locate_hand(&h, 0, (XrSpace)c.session, 1000000000));
+    XR_OK(locate_hand(&h, 0, c.stage, 1));
+    XR_OK(locate_hand(&h, 0, c.stage, INT64_MAX));
+    XrHandJointLocationsEXT out = {
+        .type = XR_TYPE_HAND_JOINT_LOCATIONS_EXT, .jointCount = 25, .jointLocations = h.joint};
+    XrHandJointsLocateInfoEXT where = {
+        .type = XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT, .baseSpace = c.stage, .time = 1000000000};
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, h.locate(h.tracker[0], &where, &out));
+    out.jointCount = 26;
+    XrHandJointVelocitiesEXT velocities = {.type = XR_TYPE_HAND_JOINT_VELOCITIES_EXT,
+                                           .jointCount = 26};
+    out.next = &velocities;
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, h.locate(h.tracker[0], &where, &out));
+    XR_OK(h.destroy(h.tracker[0]));
+    XR_IS(XR_ERROR_HANDLE_INVALID, h.destroy(h.tracker[0]));
+    XR_IS(XR_ERROR_HANDLE_INVALID, locate_hand(&h, 0, c.stage, 1000000000));
+    XR_OK(xrDestroySession(c.session)); // takes the other one along
+    c.session = XR_NULL_HANDLE;
+    XR_IS(XR_ERROR_HANDLE_INVALID, h.destroy(h.tracker[1]));
+    client_stop(&c);
+}
+
+// A right hand that goes up by 1 m/s for 50 ms.
+static void recorded_hands_are_the_recordings(void **state) {
+    (void)state;
+    static const char *const names[] = {"metacarpal", "proximal", "intermediate", "distal", "tip"};
+    static const char *const fingers[] = {"thumb", "index", "middle", "ring", "little"};
+    static char text[16384];
+    size_t at = (size_t)sprintf(text, "t_ns,hand,joint,px,py,pz,qx,qy,qz,qw,radius\n");
+    for (int k = 0; k < 2; k++) {
+        double y = 1 + 0.05 * k;
+        at += (size_t)sprintf(text + at, "%d,right,wrist,0.25,%g,-0.5,0,0,0,1,0.02\n", 50000000 * k,
+                              y);
+        for (int i = 0; i < 25; i++)
+            if (i != 2) // the thumb has no intermediate bone
+                at += (size_t)sprintf(text + at, "%d,right,%s_%s,0.25,%g,-0.5,0,0,0,1,0.01\n",
+                                      50000000 * k, fingers[i / 5], names[i % 5], y);
+    }
+    client_file("hands.csv", text);
+    client_settings("{\"clock\": \"virtual\", \"refresh_hz\": 100, \"hands\": \"hands.csv\"}");
+    struct client c = {0};
+    start(&c, XR_EXT_HAND_TRACKING_EXTENSION_NAME);
+    struct hands h;
+    make_hands(&c, &h);
+    XrTime time = frame(&c);
+    XR_OK(locate_hand(&h, 0, c.stage, time)); // there is no left one
+    assert_int_equal(h.active, XR_FALSE);
+    assert_int_equal(h.joint[5].locationFlags | h.moves[5].velocityFlags, 0);
+    time = frame(&c);
+    XR_OK(locate_hand(&h, 1, c.stage, time));
+    assert_int_equal(h.active, XR_TRUE);
+    const XrPosef pose = h.joint[XR_HAND_JOINT_LITTLE_TIP_EXT].pose;
+    assert_true(pose.position.x == 0.25f && pose.position.z == -0.5f);
+    if (fabs((double)pose.position.y - 1.01) > 1e-7)
+        fail_msg("%.9g, expected 1.01 within 1e-7", (double)pose.position.y);
+    double up = (double)h.moves[XR_HAND_JOINT_WRIST_EXT].linearVelocity.y;
+    if (fabs(up - 1) > 1e-6)
+        fail_msg("%.9g m/s, expected 1 within 1e-6", up);
+    assert_true(h.joint[1].radius == 0.02f);
+    XR_OK(locate_hand(&h, 1, c.stage, time + 60000000)); // after the recording's end
+    assert_int_equal(h.active, XR_FALSE);
+    client_stop(&c);
+    client_settings("{\"hands\": \"nowhere.csv\"}");
+    XrInstance none;
+    XR_IS(XR_ERROR_INITIALIZATION_FAILED, client_try_instance(&none));
+}
+
 static void timespec_goes_there_and_back(void **state) {
     (void)state;
     client_settings(NULL);
@@ -358,10 +513,17 @@ static void format_list_is_checked(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        TEST(functions_come_with_their_extension), TEST(local_floor_is_local_on_the_floor),
-        TEST(depth_range_is_filled_where_enabled), TEST(refresh_rate_changes_the_grid),
-        TEST(refresh_rate_keeps_the_end),          TEST(visibility_mask_is_the_profiles),
-        TEST(timespec_goes_there_and_back),        TEST(format_list_is_checked),
+        TEST(functions_come_with_their_extension),
+        TEST(local_floor_is_local_on_the_floor),
+        TEST(depth_range_is_filled_where_enabled),
+        TEST(refresh_rate_changes_the_grid),
+        TEST(refresh_rate_keeps_the_end),
+        TEST(visibility_mask_is_the_profiles),
+        TEST(hands_are_there_without_a_recording),
+        TEST(hands_refuse_what_is_wrong),
+        TEST(recorded_hands_are_the_recordings),
+        TEST(timespec_goes_there_and_back),
+        TEST(format_list_is_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

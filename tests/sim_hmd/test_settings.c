@@ -123,6 +123,8 @@ static void errors_name_their_place(void **state) {
     bad("{\"refresh_hz\": -90}", "/refresh_hz");
     bad("{\"refresh_hz\": 1e999}", "s.json");
     bad("{\"refresh_hz\": 1e9}", "/refresh_hz");
+    bad("{\"hands\": 3}", "/hands");
+    bad("{\"hands\": \"-\"}", "/hands");
     bad("{\"refresh_rates_hz\": []}", "/refresh_rates_hz");
     bad("{\"refresh_rates_hz\": 90}", "/refresh_rates_hz");
     bad("{\"refresh_rates_hz\": [90, \"x\"]}", "/refresh_rates_hz/1");
