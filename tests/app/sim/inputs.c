@@ -7,7 +7,8 @@
 // A program of somebody else's, for the tests of `antipode sim`: binds each path that it is given
 // to an action of its own and prints the actions' states, a line a frame and action.
 //   inputs PROFILE b:PATH f:PATH v:PATH…   (button, float, vector)
-// It needs no graphics. Exit status 0 when the runtime has asked it to end.
+// It needs no graphics. Exit status 0 when the runtime has asked it to end. With a '!' before
+// PROFILE it then ends its session once too often, as programs do.
 
 enum { MAX_ACTIONS = 16 };
 
@@ -89,7 +90,7 @@ static void make_actions(struct program *p, int argc, char **argv) {
     CHECK(xrCreateActionSet(p->instance, &info, &p->set));
     for (int i = 2; i < argc; i++)
         make_action(p, argv[i]);
-    bind(p, argv[1]);
+    bind(p, argv[1] + (argv[1][0] == '!'));
 }
 
 static void poll_events(struct program *p) {
@@ -160,6 +161,8 @@ int main(int argc, char **argv) {
             p.state == XR_SESSION_STATE_VISIBLE || p.state == XR_SESSION_STATE_FOCUSED)
             run_frame(&p, frame++);
     }
+    if (argv[1][0] == '!')
+        xrEndSession(p.session);
     CHECK(xrDestroySession(p.session));
     CHECK(xrDestroyInstance(p.instance));
     return 0;

@@ -64,4 +64,19 @@ states oculus/touch_controller "--poses $work/head.csv --input $work/zero.csv" \
 	f:/user/hand/left/input/trigger/value
 grep -q 'zero.csv: all of it lies before the first head pose' "$work/stderr" ||
 	fail "no warning about the clock: $(cat "$work/stderr")"
+
+# --strict: what breaks the specification makes 1 of 0, and no report is no praise.
+strict="$antipode sim --clock virtual --frames 5 --timeout 60 --strict"
+profile=/interaction_profiles/khr/simple_controller
+path=b:/user/hand/left/input/select/click
+expect 0 '' $strict -- "$inputs" $profile $path
+expect 1 'broke the specification in 1 call' $strict -- "$inputs" !$profile $path
+grep -q 'xrEndSession.*XR_ERROR_SESSION_NOT_RUNNING' "$work/stderr" ||
+	fail "--strict: no word of xrEndSession: $(cat "$work/stderr")"
+expect 0 '' "$antipode" sim --clock virtual --frames 5 --timeout 60 -- "$inputs" !$profile $path
+expect 1 'true made no OpenXR instance' $strict -- true
+expect 7 '' $strict -- sh -c 'exit 7'
+expect 1 'broke the specification' $strict --capture "$work/c" -- "$inputs" !$profile $path
+tail -n 1 "$work/c/strict.jsonl" | grep -q '"errors": *1' ||
+	fail "DIR/strict.jsonl: $(cat "$work/c/strict.jsonl")"
 finish
