@@ -68,6 +68,11 @@ enum ap_status ap_hid_parse_descriptor(struct ap_error *err, const uint8_t *byte
 // The length of a report as hidraw gives it; 0: there is none with that id.
 size_t ap_hid_report_bytes(const struct ap_hid_descriptor *d, enum ap_hid_kind kind, uint8_t id);
 
+// How long an input report that begins so is to be.
+static inline size_t ap_hid_input_bytes(const struct ap_hid_descriptor *d, const uint8_t *report) {
+    return ap_hid_report_bytes(d, AP_HID_INPUT, d->is_numbered ? report[0] : 0);
+}
+
 // The usage of value `index` of a variable field, or of the choice `index` of an array; 0: none.
 uint32_t ap_hid_usage_at(const struct ap_hid_descriptor *d, const struct ap_hid_field *field,
                          uint32_t index);

@@ -141,7 +141,8 @@ static void test_slimevr(void **unused) {
     for (int d = 0; d < 3; d++) {
         assert_string_equal(ap_poselog_device_name(log, d), names[d]);
         report(names[d], &errors[d], 0.02);
-        assert_in_range(rows[d], 2850, 2904);
+        // From the report on that says that the tracker is there: one more every 100 ms.
+        assert_int_equal(rows[d], 2904 - 10 * d);
         ap_timeline_destroy(truth[d]);
     }
     ap_poselog_close(log);

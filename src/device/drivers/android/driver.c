@@ -71,7 +71,7 @@ static enum ap_report_verdict parse(void *state, const struct ap_device_info *in
         ap_android_parse(&info->descriptor, &s->layout, bytes, len, &r);
     if (verdict == AP_REPORT_BAD)
         return ap_report_bad(samples, "a report of %zu bytes with a rotation vector below 2 pi",
-                             ap_hid_report_bytes(&info->descriptor, AP_HID_INPUT, bytes[0]));
+                             ap_hid_input_bytes(&info->descriptor, bytes));
     if (verdict)
         return verdict;
     struct ap_driver_sample *sample = ap_driver_add_sample(samples);

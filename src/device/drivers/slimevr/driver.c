@@ -22,8 +22,6 @@ static struct ap_driver_sample *sample_of(struct ap_driver_samples *samples, int
 
 static void take(struct state *s, const struct ap_slimevr_packet *p,
                  struct ap_driver_samples *samples) {
-    if (p->kind == AP_SLIMEVR_REGISTRATION && !s->tracker[p->id] && s->count < UINT8_MAX)
-        s->tracker[p->id] = ++s->count;
     if (!s->tracker[p->id])
         return;
     if (p->has_buttons)
@@ -42,6 +40,16 @@ static void take(struct state *s, const struct ap_slimevr_packet *p,
     sample->buttons = s->buttons[p->id];
 }
 
+// The receiver puts registrations behind the other packets, but they count for those, too.
+static void take_registrations(struct state *s, const uint8_t *bytes, size_t len) {
+    for (size_t at = 0; at < len; at += AP_SLIMEVR_PACKET) {
+        struct ap_slimevr_packet p;
+        if (ap_slimevr_parse(bytes + at, &p) && p.kind == AP_SLIMEVR_REGISTRATION &&
+            !s->tracker[p.id] && s->count < UINT8_MAX)
+            s->tracker[p.id] = ++s->count;
+    }
+}
+
 static enum ap_report_verdict parse(void *state, const struct ap_device_info *info, int64_t t_ns,
                                     const uint8_t *bytes, size_t len,
                                     struct ap_driver_samples *samples) {
@@ -49,6 +57,7 @@ static enum ap_report_verdict parse(void *state, const struct ap_device_info *in
     struct state *s = state;
     if (len == 0 || len % AP_SLIMEVR_PACKET)
         return ap_report_bad(samples, "a report of packets of 16 bytes, not of %zu bytes", len);
+    take_registrations(s, bytes, len);
     for (size_t at = 0; at < len; at += AP_SLIMEVR_PACKET) {
         struct ap_slimevr_packet p;
         bool ok = ap_slimevr_parse(bytes + at, &p);

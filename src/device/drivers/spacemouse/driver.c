@@ -59,7 +59,7 @@ static enum ap_report_verdict parse(void *state, const struct ap_device_info *in
         ap_spacemouse_parse(&info->descriptor, &s->layout, bytes, len, &r);
     if (verdict == AP_REPORT_BAD)
         return ap_report_bad(samples, "a report of %zu bytes",
-                             ap_hid_report_bytes(&info->descriptor, AP_HID_INPUT, bytes[0]));
+                             ap_hid_input_bytes(&info->descriptor, bytes));
     if (verdict)
         return verdict;
     if (s->has_before)

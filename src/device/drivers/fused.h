@@ -1,0 +1,17 @@
+#ifndef ANTIPODE_DEVICE_DRIVERS_FUSED_H
+#define ANTIPODE_DEVICE_DRIVERS_FUSED_H
+
+#include "src/device/fusion/imu.h"
+#include "src/device/hid/driver.h"
+
+// For drivers of devices that only measure rates and forces: one measurement into the fusion, and
+// the orientation out of it as the next sample (axes x right, y up, z back). NULL where there is
+// none: a repeated or impossible measurement, or no room.
+struct ap_driver_sample *ap_driver_add_fused(struct ap_driver_samples *samples, struct ap_imu *imu,
+                                             uint64_t raw_ticks, struct ap_vec3 gyr_rad_s,
+                                             struct ap_vec3 acc_m_s2);
+
+// zlib's CRC-32 of more bytes; begin with 0.
+uint32_t ap_crc32(uint32_t crc, const uint8_t *bytes, size_t len);
+
+#endif

@@ -1,0 +1,148 @@
+#include "src/device/drivers/bytes.h"
+#include "src/device/drivers/fused.h"
+#include "src/device/drivers/playstation/playstation.h"
+
+enum { USB = 3, BLUETOOTH = 5 };
+
+static const double DEGREE = 3.14159265358979323846 / 180, GRAVITY = 9.80665;
+static const double USUAL_GYRO_PER_DEG_S = 16.4, USUAL_ACCEL_PER_G = 8192;
+
+static const struct ap_playstation_layout layouts[] = {
+    {
+        .bus = USB, // DualSense, DualSense Edge
+        .products = {0x0ce6, 0x0df2},
+        .report = 0x01,
+        .len = 64,
+        .gyro = 16,
+        .accel = 22,
+        .ticks = 28,
+        .buttons = 8,
+        .triggers = 5,
+        .imu = {.period_s = 0.004, .bits = 32, .tick_ns_num = 1000, .tick_ns_den = 3},
+        .calibration = 0x05,
+        .calibration_len = 41,
+        .plus = {7, 11, 15},
+        .minus = {9, 13, 17},
+    },
+    {
+        .bus = BLUETOOTH,
+        .products = {0x0ce6, 0x0df2},
+        .report = 0x31,
+        .len = 78,
+        .has_crc = true,
+        .gyro = 17,
+        .accel = 23,
+        .ticks = 29,
+        .buttons = 9,
+        .triggers = 6,
+        .imu = {.period_s = 0.004, .bits = 32, .tick_ns_num = 1000, .tick_ns_den = 3},
+        .calibration = 0x05,
+        .calibration_len = 41,
+        .plus = {7, 11, 15},
+        .minus = {9, 13, 17},
+    },
+    {
+        .bus = USB, // DualShock 4, both versions
+        .products = {0x05c4, 0x09cc},
+        .report = 0x01,
+        .len = 64,
+        .gyro = 13,
+        .accel = 19,
+        .ticks = 10,
+        .buttons = 5,
+        .triggers = 8,
+        .imu = {.period_s = 0.004, .bits = 16, .tick_ns_num = 16000, .tick_ns_den = 3},
+        .calibration = 0x02,
+        .calibration_len = 37,
+        .plus = {7, 11, 15},
+        .minus = {9, 13, 17},
+    },
+    {
+        .bus = BLUETOOTH,
+        .products = {0x05c4, 0x09cc},
+        .report = 0x11,
+        .len = 78,
+        .has_crc = true,
+        .gyro = 15,
+        .accel = 21,
+        .ticks = 12,
+        .buttons = 7,
+        .triggers = 10,
+        .imu = {.period_s = 0.004, .bits = 16, .tick_ns_num = 16000, .tick_ns_den = 3},
+        .calibration = 0x05,
+        .calibration_len = 41,
+        .plus = {7, 9, 11},
+        .minus = {13, 15, 17},
+    },
+};
+
+const struct ap_playstation_layout *ap_playstation_find(const struct ap_device_info *info) {
+    for (size_t i = 0; i < sizeof layouts / sizeof *layouts; i++)
+        if (info->vendor == 0x054c && info->bus == layouts[i].bus &&
+            (info->product == layouts[i].products[0] || info->product == layouts[i].products[1]))
+            return &layouts[i];
+    return NULL;
+}
+
+struct ap_playstation_calibration
+ap_playstation_calibrate(const struct ap_playstation_layout *layout,
+                         const struct ap_feature_report *feature) {
+    struct ap_playstation_calibration c;
+    bool known = feature && feature->len >= layout->calibration_len;
+    const uint8_t *b = known ? feature->bytes : NULL;
+    double speeds = known ? ap_i16le(b + 19) + ap_i16le(b + 21) : 0;
+    for (size_t i = 0; i < 3; i++) {
+        c.gyro_bias[i] = c.accel_bias[i] = 0;
+        c.gyro_scale[i] = DEGREE / USUAL_GYRO_PER_DEG_S;
+        c.accel_scale[i] = GRAVITY / USUAL_ACCEL_PER_G;
+        if (!known)
+            continue;
+        double turn = ap_i16le(b + layout->plus[i]) - ap_i16le(b + layout->minus[i]);
+        double up = ap_i16le(b + 23 + 4 * i), down = ap_i16le(b + 25 + 4 * i);
+        if (turn > 0 && speeds > 0) {
+            c.gyro_bias[i] = ap_i16le(b + 1 + 2 * i);
+            c.gyro_scale[i] = DEGREE * speeds / turn;
+        }
+        if (up > down) {
+            c.accel_bias[i] = (up + down) / 2;
+            c.accel_scale[i] = GRAVITY * 2 / (up - down);
+        }
+    }
+    return c;
+}
+
+static struct ap_vec3 measured(const uint8_t *b, const double bias[3], const double scale[3]) {
+    return (struct ap_vec3){(ap_i16le(b) - bias[0]) * scale[0],
+                            (ap_i16le(b + 2) - bias[1]) * scale[1],
+                            (ap_i16le(b + 4) - bias[2]) * scale[2]};
+}
+
+// The check sum is over the byte 0xa1 of Bluetooth's own header, too.
+static bool crc_is_right(const uint8_t *bytes, size_t len) {
+    static const uint8_t header = 0xa1;
+    uint32_t crc = ap_crc32(ap_crc32(0, &header, 1), bytes, len - 4);
+    return crc == ap_u32le(bytes + len - 4);
+}
+
+enum ap_report_verdict ap_playstation_parse(const struct ap_playstation_layout *layout,
+                                            const struct ap_playstation_calibration *c,
+                                            const uint8_t *bytes, size_t len,
+                                            struct ap_playstation_packet *packet) {
+    if (len < 1 || bytes[0] != layout->report)
+        return len < 1 ? AP_REPORT_BAD : AP_REPORT_IGNORED;
+    if (len < layout->len || (layout->has_crc && !crc_is_right(bytes, layout->len)))
+        return AP_REPORT_BAD;
+    const uint8_t *b = bytes + layout->buttons, *t = bytes + layout->triggers;
+    // Square, cross, circle, triangle are the upper bits of the first byte; cross comes first.
+    uint32_t face = (uint32_t)b[0] >> 4, others = (uint32_t)b[1] | (uint32_t)(b[2] & 3) << 8;
+    uint8_t far = t[0] > t[1] ? t[0] : t[1];
+    *packet = (struct ap_playstation_packet){
+        .gyr_rad_s = measured(bytes + layout->gyro, c->gyro_bias, c->gyro_scale),
+        .acc_m_s2 = measured(bytes + layout->accel, c->accel_bias, c->accel_scale),
+        .ticks = layout->imu.bits == 16 ? ap_u16le(bytes + layout->ticks)
+                                        : ap_u32le(bytes + layout->ticks),
+        .buttons = (face >> 1 & 1) | (face & 1) << 1 | (face & 12) | others << 4,
+        .trigger = far / 255.0,
+    };
+    return AP_REPORT_OK;
+}
