@@ -10,7 +10,8 @@
 #include "src/geom/pose.h"
 
 // Pose logs: one or more files merged by time, read as a stream (memory does not grow with the
-// log). Grammar: docs/pose-logs.md. Formats (own CSV, TUM, EuRoC CSV) are told by content.
+// log). Grammar: docs/pose-logs.md. Formats (own CSV, TUM, EuRoC CSV,
+// raw HID recordings) are told by content.
 
 // A sample of one device. Poses are in the room, STAGE axes (+y up), metres; left/right are grips.
 struct ap_sample {
