@@ -1,0 +1,42 @@
+#ifndef ANTIPODE_DEVICE_FUSION_IMU_H
+#define ANTIPODE_DEVICE_FUSION_IMU_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "src/device/fusion/vqf.h"
+
+// What drivers of devices with a gyroscope, an accelerometer and a clock of their own share: the
+// device's counter becomes the time between samples, and VQF the orientation. Plain data, no
+// pointers, so that it can stand in a driver's state.
+
+struct ap_imu_params {
+    double period_s;                   // nominal
+    int bits;                          // of the device's counter, 8 … 64
+    uint32_t tick_ns_num, tick_ns_den; // a tick is num/den nanoseconds, both at least 1
+};
+
+struct ap_imu {
+    struct ap_imu_params params;
+    struct ap_vqf vqf;
+    bool started;
+    uint64_t raw;
+    int64_t remainder; // below a nanosecond, in 1/den
+    int64_t device_ns; // since the first sample, gaps left out
+};
+
+enum ap_imu_event {
+    AP_IMU_OK,
+    AP_IMU_RESET,    // the first sample, or the counter jumped by over half a second: heading anew
+    AP_IMU_REPEATED, // the same stamp as before; nothing changed
+    AP_IMU_REFUSED,  // not finite or beyond what a sensor can measure; nothing changed
+};
+
+// False where a parameter is out of range.
+bool ap_imu_init(struct ap_imu *imu, const struct ap_imu_params *params);
+
+// One sample at the device's counter `raw`; axes and units as for ap_vqf_update.
+enum ap_imu_event ap_imu_add(struct ap_imu *imu, uint64_t raw, struct ap_vec3 gyr_rad_s,
+                             struct ap_vec3 acc_m_s2);
+
+#endif
