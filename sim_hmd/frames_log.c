@@ -13,7 +13,8 @@
 struct sim_frames_log {
     const struct sim_settings *settings;
     char *path, *part;
-    int fd; // −1: committed
+    int fd;                // −1: closed
+    bool begun, committed; // begun: the file is ours
     struct sim_line line;
 };
 
@@ -39,6 +40,7 @@ enum ap_status sim_frames_log_create(struct ap_error *err, const struct sim_sett
             l->fd = open(l->part, O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
         if (!st && l->fd < 0)
             st = cannot(err, l->part);
+        l->begun = l->fd >= 0;
     }
     if (st)
         sim_frames_log_destroy(l);
@@ -79,7 +81,8 @@ enum ap_status sim_frames_log_commit(struct ap_error *err, struct sim_frames_log
         return AP_OK;
     int failed = close(l->fd);
     l->fd = -1;
-    return failed || rename(l->part, l->path) != 0 ? cannot(err, l->path) : AP_OK;
+    l->committed = !failed && rename(l->part, l->path) == 0;
+    return l->committed ? AP_OK : cannot(err, l->path);
 }
 
 void sim_frames_log_destroy(struct sim_frames_log *l) {
@@ -87,6 +90,8 @@ void sim_frames_log_destroy(struct sim_frames_log *l) {
         return;
     if (l->fd >= 0)
         close(l->fd);
+    if (l->begun && !l->committed)
+        unlink(l->part);
     free(l->line.text);
     free(l->path);
     free(l->part);

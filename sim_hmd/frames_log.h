@@ -35,6 +35,6 @@ enum ap_status sim_frames_log_frame(struct ap_error *err, struct sim_frames_log 
 // Gives the file its name; a second call does nothing. AP_ENVIRONMENT.
 enum ap_status sim_frames_log_commit(struct ap_error *err, struct sim_frames_log *log);
 
-void sim_frames_log_destroy(struct sim_frames_log *log); // leaves what is not committed as .part
+void sim_frames_log_destroy(struct sim_frames_log *log); // removes what is not committed
 
 #endif

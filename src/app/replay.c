@@ -57,9 +57,9 @@ static bool is_picture(const char *name) {
 }
 
 static bool is_capture_file(const char *name) {
-    static const char *const names[] = {"capture.json", "frames.csv", "views.csv",
-                                        "timing.csv",   "index.html", "vergence.csv",
-                                        "vergence.png", "contact.png"};
+    static const char *const names[] = {
+        "capture.json", "frames.csv",   "views.csv",   "timing.csv",   "index.html",
+        "vergence.csv", "vergence.png", "contact.png", "frames.jsonl", "frames.jsonl.part"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         if (strcmp(name, names[i]) == 0)
             return true;
