@@ -12,12 +12,13 @@
 // while it is on, xrGetInstanceProcAddr hands out a wrapper of each function that looks at the
 // arguments, calls the function, and looks at what came back. While it is off there are no
 // wrappers, and no call knows of it.
-//   strict.c             findings: once per function and statement, standard error, the report
-//   strict_calls.c       the wrappers; strict_functions.inc lists the functions
-//   strict_spec.c        the specification's structures as a table; strict_names.c: names
-//   strict_check.c       arguments against those two tables: the VUIDs
-//   strict_results.c     what an error code says of the program
-//   strict_usage.c       what is legal and doubtful all the same, and strict_swapchains.c
+// The folder strict holds it:
+//   functions.inc  the functions and their parameters, spec.c the structures member by member
+//   calls.c        the wrappers
+//   check.c        arguments against those two tables: the VUIDs; names.c, describe.c: in words
+//   results.c      what an error code says of the program
+//   usage.c        what is lawful and doubtful all the same; swapchains.c: of images
+//   strict.c       findings: once per function and statement, standard error, the report
 // Any thread.
 
 enum sim_level {

@@ -1,6 +1,6 @@
 #include <string.h>
 
-#include "sim_hmd/strict_call.h"
+#include "sim_hmd/strict/call.h"
 
 // Swapchains as the program uses them. Those beyond the bound are not followed.
 

@@ -1,9 +1,9 @@
 #ifndef ANTIPODE_SIM_HMD_STRICT_SPEC_H
 #define ANTIPODE_SIM_HMD_STRICT_SPEC_H
 
-#include "sim_hmd/strict_call.h"
+#include "sim_hmd/strict/call.h"
 
-// strict_spec.c; by the names of the header.
+// spec.c; by the names of the header.
 extern const struct sim_values sim_values_XrActionType;
 extern const struct sim_values sim_values_XrEnvironmentBlendMode;
 extern const struct sim_values sim_values_XrEyeVisibility;

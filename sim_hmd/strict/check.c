@@ -6,7 +6,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-#include "sim_hmd/strict_call.h"
+#include "sim_hmd/strict/call.h"
 
 // The arguments of a call against the tables of functions and structures: the implicit valid
 // usage of the specification, named as the specification and the core validation layer name it.

@@ -1,7 +1,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim_hmd/strict_call.h"
+#include "sim_hmd/strict/call.h"
 
 // What an error code says of the program, where no argument was found wrong: the rule that it
 // broke. Also the runtime's next check, which nobody told the lint of, is reported this way.

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "sim_hmd/strict_call.h"
+#include "sim_hmd/strict/call.h"
 #include "src/base/log.h"
 
 // What was found, once per function and statement. Bounded: what does not fit is counted.

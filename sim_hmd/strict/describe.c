@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim_hmd/strict_call.h"
+#include "sim_hmd/strict/call.h"
 
 // What a call was given, in a line for people.
 

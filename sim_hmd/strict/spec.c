@@ -1,6 +1,6 @@
 #include <string.h>
 
-#include "sim_hmd/strict_spec.h"
+#include "sim_hmd/strict/spec.h"
 
 #include <openxr/openxr_reflection.h>
 

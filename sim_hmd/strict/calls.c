@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim_hmd/strict_spec.h"
+#include "sim_hmd/strict/spec.h"
 
 // A wrapper of every function: arguments, the function itself, the result.
 
@@ -92,7 +92,7 @@ static XrResult after(struct sim_strict_call *call, XrResult result);
     }
 
 // clang-format off
-#include "sim_hmd/strict_functions.inc"
+#include "sim_hmd/strict/functions.inc"
 // clang-format on
 
 #undef CALL1
@@ -112,7 +112,7 @@ static const struct {
     PFN_xrVoidFunction wrapper;
 } wrappers[] = {
 // clang-format off
-#include "sim_hmd/strict_functions.inc"
+#include "sim_hmd/strict/functions.inc"
     // clang-format on
 };
 

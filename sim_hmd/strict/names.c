@@ -1,4 +1,4 @@
-#include "sim_hmd/strict_spec.h"
+#include "sim_hmd/strict/spec.h"
 
 // After the above, which says which platforms are looked at.
 #include <openxr/openxr_reflection.h>

@@ -113,20 +113,20 @@ int sim_strict_errors_here(void); // of sim_strict in this thread since the last
 void sim_strict_enable(const char *extension);
 bool sim_strict_enabled(const char *extension);
 
-// strict_check.c
+// check.c
 void sim_strict_check(struct sim_strict_call *call);
 // The arguments for a message, with what the structures hold.
 void sim_strict_describe(const struct sim_strict_call *call, char *text, size_t size);
 
-// strict_results.c
+// results.c
 void sim_strict_judge(struct sim_strict_call *call);
 
-// strict_usage.c
+// usage.c
 void sim_strict_usage(struct sim_strict_call *call, bool after);
 void sim_strict_usage_reset(void);
 void sim_strict_usage_finish(void); // what the end of the instance or of the process shows
 
-// strict_swapchains.c; the lock of strict_usage.c is held.
+// swapchains.c; the lock of usage.c is held.
 void sim_strict_swapchain_call(struct sim_strict_call *call);
 // The program submitted the swapchain's image. True where it was drawn since the frame was begun.
 bool sim_strict_swapchain_submitted(struct sim_strict_call *call, XrSwapchain swapchain);

@@ -1,7 +1,7 @@
 #include <pthread.h>
 #include <string.h>
 
-#include "sim_hmd/strict_call.h"
+#include "sim_hmd/strict/call.h"
 
 // What the specification allows and a program hardly means: the frame loop, views, events, actions
 // and the ends of things. Every statement's name begins with USE- (docs/strict.md).
