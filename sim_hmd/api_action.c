@@ -208,7 +208,7 @@ static XrResult read_suggestion(const struct sim_instance *instance, int profile
     int top;
     const struct sim_component *c =
         sim_profile_component(profile, text, sim_actions_kind(action->type), &top);
-    if (!c)
+    if (!c || !sim_instance_has(instance, c->needs))
         return XR_ERROR_PATH_UNSUPPORTED;
     *out = (struct sim_suggestion){profile, action->object.handle, c, top};
     return XR_SUCCESS;
@@ -248,7 +248,7 @@ XrResult XRAPI_CALL xrSuggestInteractionProfileBindings(
     if (!text)
         return XR_ERROR_PATH_INVALID;
     int profile = sim_profile_find(text);
-    if (profile < 0)
+    if (profile < 0 || !sim_instance_has(instance, sim_profiles[profile].needs))
         return XR_ERROR_PATH_UNSUPPORTED;
     struct sim_suggestion *fresh = calloc(info->countSuggestedBindings, sizeof *fresh);
     if (!fresh)

@@ -239,7 +239,7 @@ static const struct sim_component *find_source(const struct sim_session *session
             session->profile[t] >= 0 ? session->profile[t] : sim_actions_choose_profile(session, t);
         const struct sim_component *c =
             *profile < 0 ? NULL : sim_profile_component(*profile, path, SIM_BOOL, top);
-        if (c && *top == t)
+        if (c && *top == t && sim_instance_has(session->instance, c->needs))
             return c;
     }
     return NULL;

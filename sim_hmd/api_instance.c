@@ -69,7 +69,7 @@ static XrResult check_create_info(const XrInstanceCreateInfo *info) {
         return XR_ERROR_VALIDATION_FAILURE;
     if (app->applicationName[0] == '\0')
         return XR_ERROR_NAME_INVALID;
-    if (XR_VERSION_MAJOR(app->apiVersion) != 1 || XR_VERSION_MINOR(app->apiVersion) > 0)
+    if (XR_VERSION_MAJOR(app->apiVersion) != 1 || XR_VERSION_MINOR(app->apiVersion) > 1)
         return XR_ERROR_API_VERSION_UNSUPPORTED;
     if (info->enabledApiLayerCount && !info->enabledApiLayerNames)
         return XR_ERROR_VALIDATION_FAILURE;
@@ -123,6 +123,9 @@ XrResult XRAPI_CALL xrCreateInstance(const XrInstanceCreateInfo *info, XrInstanc
     if (!instance)
         return XR_ERROR_OUT_OF_MEMORY;
     result = enable_extensions(info, instance);
+    instance->minor = XR_VERSION_MINOR(info->applicationInfo.apiVersion);
+    if (instance->minor >= 1) // took it into the core, value for value
+        instance->enabled[SIM_EXT_local_floor] = true;
     if (result == XR_SUCCESS)
         result = load_settings(instance);
     instance->epoch_ns = ap_clock_now_ns();

@@ -62,7 +62,8 @@ static XrResult find_component(const struct sim_session *session, XrPath top_pat
     bool own = automation->device[*top] == SIM_OWN;
     for (int p = 0; sim_profiles[p].path; p++) {
         int t;
-        if (!own && p != automation->profile[*top])
+        if ((!own && p != automation->profile[*top]) ||
+            !sim_instance_has(session->instance, sim_profiles[p].needs))
             continue;
         *component = sim_profile_component(p, text, kind, &t);
         size_t n = strlen(sim_top_paths[*top]);
@@ -87,7 +88,8 @@ XrResult XRAPI_CALL xrSetInputDeviceActiveEXT(XrSession handle, XrPath profile_p
     result = find_top(session, top_path, &top);
     if (result != XR_SUCCESS)
         return result;
-    if (profile < 0 || !sim_profile_has_top(profile, top))
+    if (profile < 0 || !sim_profile_has_top(profile, top) ||
+        !sim_instance_has(session->instance, sim_profiles[profile].needs))
         return XR_ERROR_PATH_UNSUPPORTED;
     session->automation.device[top] = active ? SIM_SWITCHED_ON : SIM_SWITCHED_OFF;
     session->automation.profile[top] = profile;

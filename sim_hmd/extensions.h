@@ -28,6 +28,7 @@
     X(KHR_composition_layer_equirect)                                                              \
     X(KHR_composition_layer_equirect2)                                                             \
     X(KHR_composition_layer_cube)                                                                  \
+    X(EXT_palm_pose)                                                                               \
     X(EXT_local_floor)
 
 #define SIM_FUNCTION_EXTENSIONS(X)                                                                 \
@@ -37,6 +38,7 @@
     X(FB_display_refresh_rate)                                                                     \
     X(EXT_hand_tracking)                                                                           \
     X(KHR_visibility_mask)                                                                         \
+    X(KHR_locate_spaces)                                                                           \
     X(EXT_conformance_automation)
 
 #define SIM_EXTENSION_ID(name) SIM_##name,

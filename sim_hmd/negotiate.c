@@ -15,18 +15,18 @@ XrResult XRAPI_CALL xrNegotiateLoaderRuntimeInterface(const struct sim_loader_in
         return XR_ERROR_INITIALIZATION_FAILED;
     if (loader->minInterfaceVersion > SIM_INTERFACE_VERSION ||
         loader->maxInterfaceVersion < SIM_INTERFACE_VERSION ||
-        loader->minApiVersion > XR_CURRENT_API_VERSION ||
-        loader->maxApiVersion < XR_MAKE_VERSION(1, 0, 0))
+        loader->minApiVersion > SIM_API_VERSION || loader->maxApiVersion < XR_MAKE_VERSION(1, 0, 0))
         return XR_ERROR_INITIALIZATION_FAILED;
     ap_log_set_prefix("antipode-sim");
     request->runtimeInterfaceVersion = SIM_INTERFACE_VERSION;
-    request->runtimeApiVersion = XR_CURRENT_API_VERSION;
+    request->runtimeApiVersion =
+        loader->maxApiVersion < XR_MAKE_VERSION(1, 1, 0) ? XR_CURRENT_API_VERSION : SIM_API_VERSION;
     request->getInstanceProcAddr = xrGetInstanceProcAddr;
     return XR_SUCCESS;
 }
 
 // When a function may be asked for.
-enum when { ALWAYS, INSTANCE };
+enum when { ALWAYS, INSTANCE, VERSION_1_1 };
 
 // The core; extensions bring their own lists (extensions.h).
 struct entry {
@@ -94,13 +94,18 @@ static const struct entry entries[] = {
     ENTRY(xrGetInputSourceLocalizedName, INSTANCE),
     ENTRY(xrApplyHapticFeedback, INSTANCE),
     ENTRY(xrStopHapticFeedback, INSTANCE),
+    ENTRY(xrLocateSpaces, VERSION_1_1),
 };
+
+static bool may_ask(const struct sim_instance *instance, enum when when) {
+    return when == ALWAYS || (instance && (when == INSTANCE || instance->minor >= 1));
+}
 
 // NULL: no such function, or none that may be asked for yet.
 static PFN_xrVoidFunction find(const struct sim_instance *instance, const char *name) {
     for (size_t i = 0; i < sizeof entries / sizeof *entries; i++)
         if (strcmp(entries[i].name, name) == 0)
-            return instance || entries[i].when == ALWAYS ? entries[i].function : NULL;
+            return may_ask(instance, entries[i].when) ? entries[i].function : NULL;
     return instance ? sim_extension_function(instance->enabled, name) : NULL;
 }
 

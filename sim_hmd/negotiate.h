@@ -9,6 +9,9 @@
 // The loader's handshake, "OpenXR loader - design and operation", section "Loader/Runtime
 // Negotiation". Debian's 1.0 development package has no header for it.
 
+// OpenXR 1.1, which Debian's header does not know yet.
+#define SIM_API_VERSION XR_MAKE_VERSION(1, 1, 41)
+
 enum { SIM_LOADER_INFO = 1, SIM_RUNTIME_REQUEST = 3, SIM_INTERFACE_VERSION = 1 };
 
 struct sim_loader_info {

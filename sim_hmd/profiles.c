@@ -3,29 +3,10 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "sim_hmd/profiles_table.h"
+
 const char *const sim_top_paths[SIM_TOP_COUNT] = {"/user/hand/left", "/user/hand/right",
                                                   "/user/head", "/user/gamepad", "/user/treadmill"};
-
-#define L (1u << SIM_TOP_LEFT)
-#define R (1u << SIM_TOP_RIGHT)
-#define LR (L | R)
-#define HEAD (1u << SIM_TOP_HEAD)
-#define PAD (1u << SIM_TOP_GAMEPAD)
-
-#define POSES                                                                                      \
-    {"/input/grip/pose", SIM_POSE, SIM_GRIP, LR}, {                                                \
-        "/input/aim/pose", SIM_POSE, SIM_AIM, LR                                                   \
-    }
-#define BUTTON(path, tops)                                                                         \
-    { path, SIM_BOOL, SIM_REST, tops }
-#define AXIS(path, tops)                                                                           \
-    { path, SIM_FLOAT, SIM_REST, tops }
-#define STICK(path, tops)                                                                          \
-    {path, SIM_VEC2, SIM_REST, tops}, {path "/x", SIM_FLOAT, SIM_REST, tops}, {                    \
-        path "/y", SIM_FLOAT, SIM_REST, tops                                                       \
-    }
-#define END                                                                                        \
-    { NULL, SIM_BOOL, SIM_REST, 0 }
 
 static const struct sim_component touch[] = {
     BUTTON("/input/x/click", L),
@@ -38,15 +19,17 @@ static const struct sim_component touch[] = {
     BUTTON("/input/b/click", R),
     BUTTON("/input/b/touch", R),
     BUTTON("/input/system/click", R),
-    {"/input/squeeze/value", SIM_FLOAT, SIM_SQUEEZE, LR},
-    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR},
+    {"/input/squeeze/value", SIM_FLOAT, SIM_SQUEEZE, LR, 0},
+    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR, 0},
     BUTTON("/input/trigger/touch", LR),
     STICK("/input/thumbstick", LR),
     BUTTON("/input/thumbstick/click", LR),
     BUTTON("/input/thumbstick/touch", LR),
     BUTTON("/input/thumbrest/touch", LR),
+    {"/input/trigger/proximity", SIM_BOOL, SIM_REST, LR, SIM_NEEDS_1_1},
+    {"/input/thumb_resting_surfaces/proximity", SIM_BOOL, SIM_REST, LR, SIM_NEEDS_1_1},
     POSES,
-    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR},
+    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR, 0},
     END,
 };
 
@@ -57,10 +40,10 @@ static const struct sim_component index_controller[] = {
     BUTTON("/input/a/touch", LR),
     BUTTON("/input/b/click", LR),
     BUTTON("/input/b/touch", LR),
-    {"/input/squeeze/value", SIM_FLOAT, SIM_SQUEEZE, LR},
+    {"/input/squeeze/value", SIM_FLOAT, SIM_SQUEEZE, LR, 0},
     AXIS("/input/squeeze/force", LR),
-    {"/input/trigger/click", SIM_BOOL, SIM_TRIGGER, LR},
-    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR},
+    {"/input/trigger/click", SIM_BOOL, SIM_TRIGGER, LR, 0},
+    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR, 0},
     BUTTON("/input/trigger/touch", LR),
     STICK("/input/thumbstick", LR),
     BUTTON("/input/thumbstick/click", LR),
@@ -69,49 +52,49 @@ static const struct sim_component index_controller[] = {
     AXIS("/input/trackpad/force", LR),
     BUTTON("/input/trackpad/touch", LR),
     POSES,
-    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR},
+    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR, 0},
     END,
 };
 
 static const struct sim_component motion[] = {
     BUTTON("/input/menu/click", LR),
-    {"/input/squeeze/click", SIM_BOOL, SIM_SQUEEZE, LR},
-    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR},
+    {"/input/squeeze/click", SIM_BOOL, SIM_SQUEEZE, LR, 0},
+    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR, 0},
     STICK("/input/thumbstick", LR),
     BUTTON("/input/thumbstick/click", LR),
     STICK("/input/trackpad", LR),
     BUTTON("/input/trackpad/click", LR),
     BUTTON("/input/trackpad/touch", LR),
     POSES,
-    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR},
+    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR, 0},
     END,
 };
 
 static const struct sim_component vive[] = {
     BUTTON("/input/system/click", LR),
-    {"/input/squeeze/click", SIM_BOOL, SIM_SQUEEZE, LR},
+    {"/input/squeeze/click", SIM_BOOL, SIM_SQUEEZE, LR, 0},
     BUTTON("/input/menu/click", LR),
-    {"/input/trigger/click", SIM_BOOL, SIM_TRIGGER, LR},
-    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR},
+    {"/input/trigger/click", SIM_BOOL, SIM_TRIGGER, LR, 0},
+    {"/input/trigger/value", SIM_FLOAT, SIM_TRIGGER, LR, 0},
     STICK("/input/trackpad", LR),
     BUTTON("/input/trackpad/click", LR),
     BUTTON("/input/trackpad/touch", LR),
     POSES,
-    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR},
+    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR, 0},
     END,
 };
 
 static const struct sim_component simple[] = {
-    {"/input/select/click", SIM_BOOL, SIM_SELECT, LR},
+    {"/input/select/click", SIM_BOOL, SIM_SELECT, LR, 0},
     BUTTON("/input/menu/click", LR),
     POSES,
-    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR},
+    {"/output/haptic", SIM_HAPTIC, SIM_REST, LR, 0},
     END,
 };
 
 static const struct sim_component go[] = {
     BUTTON("/input/system/click", LR),
-    {"/input/trigger/click", SIM_BOOL, SIM_TRIGGER, LR},
+    {"/input/trigger/click", SIM_BOOL, SIM_TRIGGER, LR, 0},
     BUTTON("/input/back/click", LR),
     STICK("/input/trackpad", LR),
     BUTTON("/input/trackpad/click", LR),
@@ -121,7 +104,7 @@ static const struct sim_component go[] = {
 };
 
 static const struct sim_component daydream[] = {
-    {"/input/select/click", SIM_BOOL, SIM_SELECT, LR},
+    {"/input/select/click", SIM_BOOL, SIM_SELECT, LR, 0},
     STICK("/input/trackpad", LR),
     BUTTON("/input/trackpad/click", LR),
     BUTTON("/input/trackpad/touch", LR),
@@ -156,24 +139,49 @@ static const struct sim_component gamepad[] = {
     AXIS("/input/trigger_right/value", PAD),
     STICK("/input/thumbstick_left", PAD),
     STICK("/input/thumbstick_right", PAD),
-    {"/output/haptic_left", SIM_HAPTIC, SIM_REST, PAD},
-    {"/output/haptic_right", SIM_HAPTIC, SIM_REST, PAD},
-    {"/output/haptic_left_trigger", SIM_HAPTIC, SIM_REST, PAD},
-    {"/output/haptic_right_trigger", SIM_HAPTIC, SIM_REST, PAD},
+    {"/output/haptic_left", SIM_HAPTIC, SIM_REST, PAD, 0},
+    {"/output/haptic_right", SIM_HAPTIC, SIM_REST, PAD, 0},
+    {"/output/haptic_left_trigger", SIM_HAPTIC, SIM_REST, PAD, 0},
+    {"/output/haptic_right_trigger", SIM_HAPTIC, SIM_REST, PAD, 0},
     END,
 };
 
 const struct sim_profile sim_profiles[] = {
-    {"/interaction_profiles/oculus/touch_controller", "Touch controller", touch},
-    {"/interaction_profiles/valve/index_controller", "Index controller", index_controller},
-    {"/interaction_profiles/microsoft/motion_controller", "Motion controller", motion},
-    {"/interaction_profiles/htc/vive_controller", "Vive controller", vive},
-    {"/interaction_profiles/khr/simple_controller", "Simple controller", simple},
-    {"/interaction_profiles/oculus/go_controller", "Go controller", go},
-    {"/interaction_profiles/google/daydream_controller", "Daydream controller", daydream},
-    {"/interaction_profiles/htc/vive_pro", "Vive Pro", vive_pro},
-    {"/interaction_profiles/microsoft/xbox_controller", "Gamepad", gamepad},
-    {NULL, NULL, NULL},
+    {"/interaction_profiles/oculus/touch_controller", "Touch controller", touch, 0},
+    {"/interaction_profiles/valve/index_controller", "Index controller", index_controller, 0},
+    {"/interaction_profiles/microsoft/motion_controller", "Motion controller", motion, 0},
+    {"/interaction_profiles/htc/vive_controller", "Vive controller", vive, 0},
+    {"/interaction_profiles/khr/simple_controller", "Simple controller", simple, 0},
+    {"/interaction_profiles/oculus/go_controller", "Go controller", go, 0},
+    {"/interaction_profiles/google/daydream_controller", "Daydream controller", daydream, 0},
+    {"/interaction_profiles/htc/vive_pro", "Vive Pro", vive_pro, 0},
+    {"/interaction_profiles/microsoft/xbox_controller", "Gamepad", gamepad, 0},
+    {"/interaction_profiles/htc/vive_cosmos_controller", "Vive Cosmos controller", sim_vive_cosmos,
+     SIM_NEEDS_1_1},
+    {"/interaction_profiles/htc/vive_focus3_controller", "Vive Focus 3 controller", sim_vive_focus3,
+     SIM_NEEDS_1_1},
+    {"/interaction_profiles/samsung/odyssey_controller", "Odyssey controller", sim_odyssey,
+     SIM_NEEDS_1_1},
+    {"/interaction_profiles/hp/mixed_reality_controller", "HP Mixed Reality controller", sim_hp,
+     SIM_NEEDS_1_1},
+    {"/interaction_profiles/ml/ml2_controller", "Magic Leap 2 controller", sim_ml2, SIM_NEEDS_1_1},
+    {"/interaction_profiles/meta/touch_pro_controller", "Touch Pro controller", sim_touch_pro,
+     SIM_NEEDS_1_1},
+    {"/interaction_profiles/meta/touch_plus_controller", "Touch Plus controller", sim_touch_plus,
+     SIM_NEEDS_1_1},
+    {"/interaction_profiles/meta/touch_controller_rift_cv1", "Rift CV1 controller", sim_touch_cv1,
+     SIM_NEEDS_1_1},
+    {"/interaction_profiles/meta/touch_controller_quest_1_rift_s", "Rift S controller",
+     sim_touch_rift_s, SIM_NEEDS_1_1},
+    {"/interaction_profiles/meta/touch_controller_quest_2", "Quest 2 controller", sim_touch_quest2,
+     SIM_NEEDS_1_1},
+    {"/interaction_profiles/bytedance/pico_neo3_controller", "PICO Neo3 controller", sim_pico_neo3,
+     SIM_NEEDS_1_1},
+    {"/interaction_profiles/bytedance/pico4_controller", "PICO 4 controller", sim_pico4,
+     SIM_NEEDS_1_1},
+    {"/interaction_profiles/bytedance/pico_g3_controller", "PICO G3 controller", sim_pico_g3,
+     SIM_NEEDS_1_1},
+    {NULL, NULL, NULL, 0},
 };
 
 int sim_profile_find(const char *path) {

@@ -21,17 +21,22 @@ enum sim_kind { SIM_BOOL, SIM_FLOAT, SIM_VEC2, SIM_POSE, SIM_HAPTIC };
 // What a component reads. SIM_REST never moves.
 enum sim_input { SIM_REST, SIM_TRIGGER, SIM_SQUEEZE, SIM_SELECT, SIM_GRIP, SIM_AIM };
 
+// Not of OpenXR 1.0's core.
+enum sim_needs { SIM_NEEDS_1_1 = 1, SIM_NEEDS_PALM = 2 };
+
 struct sim_component {
     const char *path; // after the top level user path: "/input/trigger/value"; NULL ends the list
     enum sim_kind kind;
     enum sim_input input;
-    unsigned tops; // 1 << enum sim_top, of those that have it
+    unsigned tops;  // 1 << enum sim_top, of those that have it
+    unsigned needs; // enum sim_needs: what the instance must have for it
 };
 
 struct sim_profile {
     const char *path;
     const char *name; // for people
     const struct sim_component *components;
+    unsigned needs;
 };
 
 // In the order of preference: the first that the program suggested bindings for is the current one.

@@ -50,6 +50,7 @@ struct sim_instance {
     struct sim_settings settings;
     struct sim_source *source;
     int64_t epoch_ns;
+    uint32_t minor; // OpenXR 1.minor, as the program asked
     bool enabled[SIM_EXTENSION_COUNT];
     bool requirements_called;
     struct sim_paths paths;
@@ -188,6 +189,11 @@ static inline void *sim_chained(const void *structure, XrStructureType type) {
 }
 
 struct sim_instance *sim_instance_get(XrInstance handle);
+// What of the interaction profiles' tables the program may name.
+static inline bool sim_instance_has(const struct sim_instance *instance, unsigned needs) {
+    return (!(needs & SIM_NEEDS_1_1) || instance->minor >= 1) &&
+           (!(needs & SIM_NEEDS_PALM) || instance->enabled[SIM_EXT_palm_pose]);
+}
 // XR_ERROR_HANDLE_INVALID, or XR_ERROR_SESSION_LOST.
 XrResult sim_session_get(XrSession handle, struct sim_session **session);
 struct sim_space *sim_space_get(XrSpace handle);
