@@ -1,18 +1,15 @@
 #version 450
+#extension GL_GOOGLE_include_directive : require
+#include "composite.glsl"
 // A cube map around the eye, infinitely far: sampled along the ray.
 
-layout(constant_id = 1) const uint ALPHA = 0u; // as in composite.frag
-
-layout(location = 0) in vec3 ray;
+layout(location = 0) in vec3 ray_0;
 layout(location = 0) out vec4 color;
 
-layout(set = 0, binding = 0) uniform samplerCube layer;
+layout(set = 0, binding = 0) uniform samplerCube sky;
 
 void main() {
-    vec4 c = textureLod(layer, ray, 0.0);
-    if (ALPHA >= 2u)
-        c.rgb *= c.a;
-    if (ALPHA == 0u || ALPHA == 3u)
-        c.a = 1.0;
-    color = c;
+    color = layer_colour(WAY_0, textureLod(sky, ray_0, 0.0));
+    if (FIRST)
+        color.a = 1.0;
 }

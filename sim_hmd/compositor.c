@@ -104,9 +104,10 @@ static enum ap_status make_buffer(struct ap_error *err, struct sim_compositor *c
 static enum ap_status make_pipelines(struct ap_error *err, struct sim_compositor *c,
                                      const struct sim_plan *plan) {
     enum ap_status st = AP_OK;
+    sim_pass_make_room(c->gpu, &c->pass, plan->batch_count[0] + plan->batch_count[1]);
     for (int eye = 0; eye < 2; eye++)
-        for (uint32_t k = 0; k < plan->count[eye] && sim_plan_samples(plan, eye) && !st; k++)
-            st = sim_pass_prepare(err, c->gpu, &c->pass, plan->drawings[eye][k].way);
+        for (uint32_t k = 0; k < plan->batch_count[eye] && sim_plan_samples(plan, eye) && !st; k++)
+            st = sim_pass_prepare(err, c->gpu, &c->pass, &plan->batches[eye][k].key);
     return st;
 }
 
@@ -147,9 +148,9 @@ static void copy_out(VkCommandBuffer cmd, VkImage image, VkImageLayout layout, u
 
 static void draw_layers(struct sim_compositor *c, const struct sim_plan *plan,
                         struct sim_slot *slot, int eye, VkRect2D part) {
-    for (uint32_t k = 0; k < plan->count[eye]; k++) {
-        const struct sim_drawing *d = &plan->drawings[eye][k];
-        sim_pass_draw(slot->cmd, &c->pass, part, d->way, &d->seen, slot->sets[d->layer][eye]);
+    for (uint32_t k = 0; k < plan->batch_count[eye]; k++) {
+        const struct sim_batch *b = &plan->batches[eye][k];
+        sim_pass_draw(slot->cmd, &c->pass, part, &b->key, b->from_uv, b->to_uv, slot->sets[eye][k]);
     }
 }
 
@@ -195,12 +196,8 @@ static enum ap_status bind_layers(struct ap_error *err, struct sim_compositor *c
                                   const struct sim_plan *plan, struct sim_slot *slot) {
     enum ap_status st = AP_OK;
     for (int eye = 0; eye < 2; eye++)
-        for (uint32_t k = 0; k < plan->count[eye] && sim_plan_samples(plan, eye) && !st; k++) {
-            uint32_t layer = plan->drawings[eye][k].layer;
-            const struct sim_layer_view *view = &plan->frame->layer[layer].view[eye];
-            st = sim_slot_bind(err, c->gpu, &c->pass, slot, &plan->frame->layer[layer], layer, eye,
-                               sim_plan_layout(plan, view->image));
-        }
+        for (uint32_t k = 0; k < plan->batch_count[eye] && sim_plan_samples(plan, eye) && !st; k++)
+            st = sim_slot_bind(err, c->gpu, &c->pass, slot, plan, eye, k);
     return st;
 }
 

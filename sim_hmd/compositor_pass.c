@@ -2,14 +2,13 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "shaders/composite.frag.spv.h"
 #include "shaders/composite.vert.spv.h"
 #include "shaders/composite_cube.frag.spv.h"
 
 static const VkFormat TARGET_FORMAT = VK_FORMAT_R8G8B8A8_SRGB;
-static const VkShaderStageFlags PUSH_STAGES =
-    VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
 static enum ap_status create_render_pass(struct ap_error *err, const struct ap_gpu *gpu,
                                          struct sim_pass *pass) {
@@ -64,38 +63,41 @@ static enum ap_status create_sampler(struct ap_error *err, const struct ap_gpu *
 
 static enum ap_status create_layouts(struct ap_error *err, const struct ap_gpu *gpu,
                                      struct sim_pass *pass) {
-    VkDescriptorSetLayoutBinding binding = {.binding = 0,
-                                            .descriptorType =
-                                                VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-                                            .descriptorCount = 1,
-                                            .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT};
+    VkDescriptorSetLayoutBinding bindings[SIM_PASS_FUSED + 1];
+    for (uint32_t k = 0; k < SIM_PASS_FUSED; k++)
+        bindings[k] = (VkDescriptorSetLayoutBinding){.binding = k,
+                                                     .descriptorType =
+                                                         VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                                     .descriptorCount = 1,
+                                                     .stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT};
+    bindings[SIM_PASS_FUSED] = (VkDescriptorSetLayoutBinding){
+        .binding = SIM_PASS_FUSED,
+        .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+        .descriptorCount = 1,
+        .stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT};
     VkDescriptorSetLayoutCreateInfo sets = {.sType =
                                                 VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                            .bindingCount = 1,
-                                            .pBindings = &binding};
+                                            .bindingCount = SIM_PASS_FUSED + 1,
+                                            .pBindings = bindings};
     enum ap_status st =
         ap_vk_check(err, vkCreateDescriptorSetLayout(gpu->device, &sets, NULL, &pass->set_layout),
                     "vkCreateDescriptorSetLayout");
     if (st)
         return st;
-    VkPushConstantRange push = {PUSH_STAGES, 0, sizeof(struct sim_pass_push)};
     VkPipelineLayoutCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                        .setLayoutCount = 1,
-                                       .pSetLayouts = &pass->set_layout,
-                                       .pushConstantRangeCount = 1,
-                                       .pPushConstantRanges = &push};
+                                       .pSetLayouts = &pass->set_layout};
     return ap_vk_check(err, vkCreatePipelineLayout(gpu->device, &info, NULL, &pass->layout),
                        "vkCreatePipelineLayout");
 }
 
-// What the stages of a way of drawing are told: shaders/composite.frag's constants.
-struct constants {
-    uint32_t kind, alpha, edges;
-};
-static const VkSpecializationMapEntry constant_entries[3] = {
-    {0, offsetof(struct constants, kind), 4},
-    {1, offsetof(struct constants, alpha), 4},
-    {2, offsetof(struct constants, edges), 4}};
+// A key's words are the shaders' constants, in this order.
+#define CONSTANT(id, member)                                                                       \
+    { id, offsetof(struct sim_pass_key, member), sizeof(uint32_t) }
+static const VkSpecializationMapEntry constants[] = {CONSTANT(0, count),   CONSTANT(1, ways[0]),
+                                                     CONSTANT(2, ways[1]), CONSTANT(3, ways[2]),
+                                                     CONSTANT(4, ways[3]), CONSTANT(5, first)};
+enum { CONSTANT_COUNT = sizeof constants / sizeof *constants };
 
 // What all ways of drawing have in common.
 static const VkPipelineVertexInputStateCreateInfo no_input = {
@@ -119,9 +121,10 @@ static const VkPipelineDynamicStateCreateInfo dynamic = {
     .dynamicStateCount = 2,
     .pDynamicStates = dynamic_states};
 
-static VkPipelineColorBlendAttachmentState blending(struct sim_pass_way way) {
+static VkPipelineColorBlendAttachmentState blending(const struct sim_pass_key *key) {
+    bool opaque = key->count == 1 && !(key->ways[0] & SIM_WAY_BLENDED);
     return (VkPipelineColorBlendAttachmentState){
-        .blendEnable = way.alpha == SIM_PASS_PREMULTIPLIED || way.alpha == SIM_PASS_UNPREMULTIPLIED,
+        .blendEnable = !key->first && !opaque,
         .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
         .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
         .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
@@ -141,15 +144,14 @@ static VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShader
 }
 
 static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu *gpu,
-                                      const struct sim_pass *pass, struct sim_pass_way way,
+                                      const struct sim_pass *pass, const struct sim_pass_key *key,
                                       VkPipeline *pipeline) {
-    struct constants constants = {way.surface, way.alpha, way.edges};
-    VkSpecializationInfo special = {3, constant_entries, sizeof constants, &constants};
-    VkShaderModule frag = way.surface == SIM_PASS_CUBE ? pass->frag_cube : pass->frag;
+    VkSpecializationInfo special = {CONSTANT_COUNT, constants, sizeof *key, key};
+    VkShaderModule frag = key->ways[0] & SIM_WAY_CUBE ? pass->frag_cube : pass->frag;
     VkPipelineShaderStageCreateInfo stages[2] = {
-        stage(VK_SHADER_STAGE_VERTEX_BIT, pass->vert, NULL),
+        stage(VK_SHADER_STAGE_VERTEX_BIT, pass->vert, &special),
         stage(VK_SHADER_STAGE_FRAGMENT_BIT, frag, &special)};
-    VkPipelineColorBlendAttachmentState over = blending(way);
+    VkPipelineColorBlendAttachmentState over = blending(key);
     VkPipelineColorBlendStateCreateInfo blend = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
         .attachmentCount = 1,
@@ -195,9 +197,14 @@ enum ap_status sim_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
     return st;
 }
 
+static void drop_pipelines(const struct ap_gpu *gpu, struct sim_pass *pass) {
+    for (uint32_t k = 0; k < pass->made_count; k++)
+        vkDestroyPipeline(gpu->device, pass->made[k].pipeline, NULL);
+    pass->made_count = 0;
+}
+
 void sim_pass_destroy(const struct ap_gpu *gpu, struct sim_pass *pass) {
-    for (int k = 0; k < SIM_PASS_SURFACES * SIM_PASS_ALPHAS * 2; k++)
-        vkDestroyPipeline(gpu->device, pass->pipelines[k / 8][k / 2 % 4][k % 2], NULL);
+    drop_pipelines(gpu, pass);
     vkDestroyShaderModule(gpu->device, pass->vert, NULL);
     vkDestroyShaderModule(gpu->device, pass->frag, NULL);
     vkDestroyShaderModule(gpu->device, pass->frag_cube, NULL);
@@ -266,13 +273,13 @@ void sim_pass_end(VkCommandBuffer cmd) {
     vkCmdEndRenderPass(cmd);
 }
 
-// The pixels of the part that the layer's bounds touch.
-static VkRect2D scissor_of(VkRect2D part, const struct sim_seen *seen) {
+// The pixels of the part that the bounds touch.
+static VkRect2D scissor_of(VkRect2D part, const double from_uv[2], const double to_uv[2]) {
     const double width = part.extent.width, height = part.extent.height;
-    int32_t left = (int32_t)floor(seen->from_uv[0] * width) - 1;
-    int32_t top = (int32_t)floor(seen->from_uv[1] * height) - 1;
-    int32_t right = (int32_t)ceil(seen->to_uv[0] * width) + 1;
-    int32_t bottom = (int32_t)ceil(seen->to_uv[1] * height) + 1;
+    int32_t left = (int32_t)floor(from_uv[0] * width) - 1;
+    int32_t top = (int32_t)floor(from_uv[1] * height) - 1;
+    int32_t right = (int32_t)ceil(to_uv[0] * width) + 1;
+    int32_t bottom = (int32_t)ceil(to_uv[1] * height) + 1;
     left = left < 0 ? 0 : left;
     top = top < 0 ? 0 : top;
     right = right > (int32_t)part.extent.width ? (int32_t)part.extent.width : right;
@@ -281,27 +288,46 @@ static VkRect2D scissor_of(VkRect2D part, const struct sim_seen *seen) {
                       {(uint32_t)(right - left), (uint32_t)(bottom - top)}};
 }
 
+static VkPipeline find(const struct sim_pass *pass, const struct sim_pass_key *key) {
+    for (uint32_t k = 0; k < pass->made_count; k++)
+        if (memcmp(&pass->made[k].key, key, sizeof *key) == 0)
+            return pass->made[k].pipeline;
+    return VK_NULL_HANDLE;
+}
+
+void sim_pass_make_room(const struct ap_gpu *gpu, struct sim_pass *pass, uint32_t more) {
+    if (pass->made_count + more <= SIM_PASS_PIPELINES)
+        return;
+    vkQueueWaitIdle(gpu->queue);
+    drop_pipelines(gpu, pass);
+}
+
 enum ap_status sim_pass_prepare(struct ap_error *err, const struct ap_gpu *gpu,
-                                struct sim_pass *pass, struct sim_pass_way way) {
-    VkPipeline *pipeline = &pass->pipelines[way.surface][way.alpha][way.edges];
-    return *pipeline ? AP_OK : create_pipeline(err, gpu, pass, way, pipeline);
+                                struct sim_pass *pass, const struct sim_pass_key *key) {
+    if (find(pass, key))
+        return AP_OK;
+    pass->made[pass->made_count].key = *key;
+    enum ap_status st =
+        create_pipeline(err, gpu, pass, key, &pass->made[pass->made_count].pipeline);
+    if (!st)
+        pass->made_count++;
+    return st;
 }
 
 void sim_pass_draw(VkCommandBuffer cmd, const struct sim_pass *pass, VkRect2D part,
-                   struct sim_pass_way way, const struct sim_seen *seen, VkDescriptorSet set) {
+                   const struct sim_pass_key *key, const double from_uv[2], const double to_uv[2],
+                   VkDescriptorSet set) {
     VkViewport viewport = {(float)part.offset.x,
                            (float)part.offset.y,
                            (float)part.extent.width,
                            (float)part.extent.height,
                            0,
                            1};
-    VkRect2D scissor = scissor_of(part, seen);
-    vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS,
-                      pass->pipelines[way.surface][way.alpha][way.edges]);
+    VkRect2D scissor = scissor_of(part, from_uv, to_uv);
+    vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, find(pass, key));
     vkCmdSetViewport(cmd, 0, 1, &viewport);
     vkCmdSetScissor(cmd, 0, 1, &scissor);
     vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, pass->layout, 0, 1, &set, 0,
                             NULL);
-    vkCmdPushConstants(cmd, pass->layout, PUSH_STAGES, 0, sizeof seen->push, &seen->push);
     vkCmdDraw(cmd, 3, 1, 0, 0);
 }

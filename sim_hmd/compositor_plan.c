@@ -1,17 +1,42 @@
 #include "sim_hmd/compositor_plan.h"
 
-static struct sim_pass_way way_of(const struct sim_layer *layer, bool all, bool first) {
-    static const enum sim_pass_surface surfaces[] = {
-        [SIM_LAYER_PROJECTION] = SIM_PASS_PLANE,  [SIM_LAYER_QUAD] = SIM_PASS_PLANE,
-        [SIM_LAYER_CYLINDER] = SIM_PASS_CYLINDER, [SIM_LAYER_EQUIRECT] = SIM_PASS_SPHERE,
-        [SIM_LAYER_CUBE] = SIM_PASS_CUBE,
+#include <math.h>
+
+// A layer over less of the eye's picture is drawn on its own, within its bounds.
+static const double MUCH = 0.5;
+
+static bool may_be_bright(VkFormat format) {
+    switch (format) {
+    case VK_FORMAT_R8G8B8A8_SRGB:
+    case VK_FORMAT_B8G8R8A8_SRGB:
+    case VK_FORMAT_R8G8B8A8_UNORM:
+    case VK_FORMAT_B8G8R8A8_UNORM:
+    case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
+        return false;
+    default:
+        return true;
+    }
+}
+
+static uint32_t way_of(const struct sim_layer *layer, int eye, const struct sim_seen *seen) {
+    static const uint32_t surfaces[] = {
+        [SIM_LAYER_PROJECTION] = 0,
+        [SIM_LAYER_QUAD] = 0,
+        [SIM_LAYER_CYLINDER] = SIM_WAY_CYLINDER,
+        [SIM_LAYER_EQUIRECT] = SIM_WAY_SPHERE,
+        [SIM_LAYER_CUBE] = SIM_WAY_CUBE,
     };
-    struct sim_pass_way way = {surfaces[layer->kind], SIM_PASS_OPAQUE, !all};
-    // Over black, premultiplied colour is the picture whatever its alpha.
-    if (layer->blend_alpha && layer->unpremultiplied)
-        way.alpha = first ? SIM_PASS_UNPREMULTIPLIED_FIRST : SIM_PASS_UNPREMULTIPLIED;
-    else if (layer->blend_alpha && !first)
-        way.alpha = SIM_PASS_PREMULTIPLIED;
+    uint32_t way = surfaces[layer->kind];
+    if (layer->blend_alpha)
+        way |= layer->unpremultiplied ? SIM_WAY_BLENDED | SIM_WAY_UNPREMULTIPLIED : SIM_WAY_BLENDED;
+    if (!seen->all)
+        way |= SIM_WAY_EDGES;
+    if (seen->centred && way & (SIM_WAY_CYLINDER | SIM_WAY_SPHERE))
+        way |= SIM_WAY_CENTRED;
+    if (seen->part)
+        way |= SIM_WAY_PART;
+    if (may_be_bright(layer->view[eye].format))
+        way |= SIM_WAY_BRIGHT;
     return way;
 }
 
@@ -24,8 +49,33 @@ static void add_drawings(const struct sim_frame *frame, int eye, struct sim_plan
             continue;
         if (d.seen.all && !layer->blend_alpha)
             plan->count[eye] = 0;
-        d.way = way_of(layer, d.seen.all, plan->count[eye] == 0);
+        d.way = way_of(layer, eye, &d.seen);
         plan->drawings[eye][plan->count[eye]++] = d;
+    }
+}
+
+static bool fuses(const struct sim_drawing *d) {
+    const struct sim_seen *s = &d->seen;
+    return !(d->way & SIM_WAY_CUBE) &&
+           (s->to_uv[0] - s->from_uv[0]) * (s->to_uv[1] - s->from_uv[1]) >= MUCH;
+}
+
+static void add_batches(struct sim_plan *plan, int eye) {
+    plan->batch_count[eye] = 0;
+    for (uint32_t k = 0; k < plan->count[eye]; k++) {
+        const struct sim_drawing *d = &plan->drawings[eye][k];
+        struct sim_batch *b =
+            plan->batch_count[eye] ? &plan->batches[eye][plan->batch_count[eye] - 1] : NULL;
+        if (!b || b->count == SIM_PASS_FUSED || !fuses(d - 1) || !fuses(d)) {
+            b = &plan->batches[eye][plan->batch_count[eye]++];
+            *b = (struct sim_batch){.first = k, .from_uv = {1, 1}, .key.first = k == 0};
+        }
+        for (int i = 0; i < 2; i++) {
+            b->from_uv[i] = fmin(b->from_uv[i], d->seen.from_uv[i]);
+            b->to_uv[i] = fmax(b->to_uv[i], d->seen.to_uv[i]);
+        }
+        b->key.ways[b->count++] = d->way;
+        b->key.count = b->count;
     }
 }
 
@@ -36,7 +86,8 @@ static bool copies(const struct sim_settings *settings, const struct sim_plan *p
     const struct sim_drawing *d = &plan->drawings[eye][0];
     const struct sim_layer *layer = &plan->frame->layer[d->layer];
     const struct sim_layer_view *view = &layer->view[eye];
-    return layer->kind == SIM_LAYER_PROJECTION && d->way.alpha == SIM_PASS_OPAQUE &&
+    // Over black, premultiplied colour is the picture whatever its alpha.
+    return layer->kind == SIM_LAYER_PROJECTION && !(d->way & SIM_WAY_UNPREMULTIPLIED) &&
            view->at_display && view->samples <= 1 &&
            (view->format == VK_FORMAT_R8G8B8A8_SRGB || view->format == VK_FORMAT_B8G8R8A8_SRGB) &&
            view->rect.extent.width == (int32_t)profile->width_px &&
@@ -74,6 +125,7 @@ void sim_plan_make(const struct sim_settings *settings, const struct sim_frame *
     for (int eye = 0; eye < 2; eye++) {
         plan->count[eye] = 0;
         add_drawings(frame, eye, plan);
+        add_batches(plan, eye);
         plan->copy[eye] = plan->pictures && copies(settings, plan, eye);
         for (uint32_t k = 0; k < plan->count[eye]; k++) {
             const struct sim_layer_view *view =

@@ -10,7 +10,14 @@
 struct sim_drawing {
     uint32_t layer; // of the frame
     struct sim_seen seen;
-    struct sim_pass_way way;
+    uint32_t way; // bits of enum sim_way
+};
+
+// Drawings that one draw lays over one another.
+struct sim_batch {
+    uint32_t first, count; // of the eye's drawings
+    struct sim_pass_key key;
+    double from_uv[2], to_uv[2];
 };
 
 struct sim_use {
@@ -25,6 +32,8 @@ struct sim_plan {
     bool copy[2];  // this eye's picture is its only drawing's, bit for bit
     struct sim_drawing drawings[2][SIM_MAX_LAYERS]; // from below
     uint32_t count[2];
+    struct sim_batch batches[2][SIM_MAX_LAYERS];
+    uint32_t batch_count[2];
     struct sim_use uses[2 * SIM_MAX_LAYERS];
     uint32_t use_count;
 };

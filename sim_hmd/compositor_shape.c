@@ -8,6 +8,9 @@ static const double PIECE_RAD = 0.39269908169872414; // π/8
 static const double PARALLEL_RAD = 0.012;
 static const double PI = 3.14159265358979323846;
 
+// An eye so near to the middle of a curved layer sees it as from there: a thousandth of a pixel.
+static const double CENTRED_RADII = 1e-7;
+
 // A pixel's middle is farther inside than this.
 static const double HALF_PIXEL = 1e-6;
 
@@ -78,46 +81,62 @@ static bool is_plane(const struct sim_layer *layer) {
     return layer->kind == SIM_LAYER_PROJECTION || layer->kind == SIM_LAYER_QUAD;
 }
 
-static void put_rays(const struct sight *s, struct sim_pass_push *push) {
+// Where in its image a view's picture begins, and how large it is, of the whole.
+struct part {
+    double from[2], size[2];
+};
+
+static struct part part_of(const struct sim_layer_view *view) {
+    const double width = view->width_px, height = view->height_px;
+    return (struct part){{view->rect.offset.x / width, view->rect.offset.y / height},
+                         {view->rect.extent.width / width, view->rect.extent.height / height}};
+}
+
+static void put_rays(const struct sight *s, struct sim_shape *shape) {
+    struct part part = part_of(s->view);
     struct ap_vec3 r[3];
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         r[k] = is_plane(s->layer) ? plane_of(s, s->ray[k]) : s->ray[k];
+        if (is_plane(s->layer)) {
+            r[k].x = part.size[0] * r[k].x + part.from[0] * r[k].z;
+            r[k].y = part.size[1] * r[k].y + part.from[1] * r[k].z;
+        }
+    }
     for (int k = 1; k < 3; k++)
         r[k] = ap_vec3_sub(r[k], r[0]);
     for (int k = 0; k < 3; k++) {
         int column = (k + 2) % 3; // u, v, 1
-        push->from_uv[0][column] = (float)r[k].x;
-        push->from_uv[1][column] = (float)r[k].y;
-        push->from_uv[2][column] = (float)r[k].z;
+        shape->from_uv[0][column] = (float)r[k].x;
+        shape->from_uv[1][column] = (float)r[k].y;
+        shape->from_uv[2][column] = (float)r[k].z;
     }
 }
 
-static void put_shape(const struct sight *s, struct sim_pass_push *push) {
+static void put_curve(const struct sight *s, struct sim_shape *shape) {
     const struct sim_layer *layer = s->layer;
-    double up = 0.5 * layer->height_radii, down = -up, x = s->eye.x, y = s->eye.y, z = s->eye.z;
-    if (layer->kind == SIM_LAYER_EQUIRECT) {
-        up = layer->upper_rad;
-        down = layer->lower_rad;
-    }
-    push->origin[0] = (float)x;
-    push->origin[1] = (float)y;
-    push->origin[2] = (float)z;
-    push->origin[3] = (float)(x * x + z * z + (layer->kind == SIM_LAYER_EQUIRECT ? y * y : 0) - 1);
-    push->shape[0] = (float)(1 / layer->central_rad);
-    push->shape[1] = 0.5f;
-    push->shape[2] = (float)(1 / (down - up));
-    push->shape[3] = (float)(up / (up - down));
+    bool sphere = layer->kind == SIM_LAYER_EQUIRECT;
+    double up = sphere ? layer->upper_rad : 0.5 * layer->height_radii;
+    double down = sphere ? layer->lower_rad : -up;
+    double x = s->eye.x, y = s->eye.y, z = s->eye.z;
+    shape->origin[0] = (float)x;
+    shape->origin[1] = (float)y;
+    shape->origin[2] = (float)z;
+    shape->origin[3] = (float)(x * x + z * z + (sphere ? y * y : 0) - 1);
+    struct part part = part_of(s->view);
+    shape->shape[0] = (float)(part.size[0] / layer->central_rad);
+    shape->shape[1] = (float)(part.from[0] + 0.5 * part.size[0]);
+    shape->shape[2] = (float)(part.size[1] / (down - up));
+    shape->shape[3] = (float)(part.from[1] + part.size[1] * up / (up - down));
 }
 
-static void put_place(const struct sim_layer_view *view, struct sim_pass_push *push) {
-    const double size[2] = {view->width_px, view->height_px};
-    const double from[2] = {view->rect.offset.x, view->rect.offset.y};
-    const double extent[2] = {view->rect.extent.width, view->rect.extent.height};
+static void put_part(const struct sim_layer_view *view, struct sim_shape *shape) {
+    struct part part = part_of(view);
+    const double half[2] = {0.5 / view->width_px, 0.5 / view->height_px};
     for (int k = 0; k < 2; k++) {
-        push->place[k] = (float)(from[k] / size[k]);
-        push->place[2 + k] = (float)(extent[k] / size[k]);
-        push->limit[k] = (float)((from[k] + 0.5) / size[k]);
-        push->limit[2 + k] = (float)((from[k] + extent[k] - 0.5) / size[k]);
+        shape->part[k] = (float)part.from[k];
+        shape->part[2 + k] = (float)(part.from[k] + part.size[k]);
+        shape->limit[k] = (float)(part.from[k] + half[k]);
+        shape->limit[2 + k] = (float)(part.from[k] + part.size[k] - half[k]);
     }
 }
 
@@ -281,9 +300,12 @@ struct sim_seen sim_layer_seen(const struct sim_frame *frame, int eye,
         }
         seen.any = seen.from_uv[0] < seen.to_uv[0] && seen.from_uv[1] < seen.to_uv[1];
     }
-    put_rays(&s, &seen.push);
-    put_place(s.view, &seen.push);
+    seen.part = s.view->rect.extent.width != (int32_t)s.view->width_px ||
+                s.view->rect.extent.height != (int32_t)s.view->height_px;
+    seen.centred = ap_vec3_length(s.eye) < CENTRED_RADII;
+    put_rays(&s, &seen.shape);
+    put_part(s.view, &seen.shape);
     if (layer->kind == SIM_LAYER_CYLINDER || layer->kind == SIM_LAYER_EQUIRECT)
-        put_shape(&s, &seen.push);
+        put_curve(&s, &seen.shape);
     return seen;
 }

@@ -7,12 +7,12 @@
 // other. The ray of a pixel is linear in them, so it is worked out here in double for the three
 // corners and interpolated by the GPU.
 
-// What the shaders are told: shaders/composite.glsl.
-struct sim_pass_push {
+// What the shaders are told of a layer: shaders/composite.glsl, std140.
+struct sim_shape {
     float from_uv[3][4];
     float origin[4];
     float shape[4];
-    float place[4];
+    float part[4];
     float limit[4];
 };
 
@@ -21,7 +21,9 @@ struct sim_seen {
     bool all;          // every pixel of the picture meets the layer
     double from_uv[2]; // nothing of it is outside of these
     double to_uv[2];
-    struct sim_pass_push push;
+    bool part;    // of an image only
+    bool centred; // the middle of a curved layer is the eye, or it is infinitely far
+    struct sim_shape shape;
 };
 
 // The layer as this eye sees it.

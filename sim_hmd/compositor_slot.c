@@ -1,5 +1,11 @@
 #include "sim_hmd/compositor_slot.h"
 
+#include <string.h>
+
+// One batch's shapes, at a distance that every device takes as an offset.
+enum { SHAPES_STRIDE = 512 };
+_Static_assert(SIM_PASS_FUSED * sizeof(struct sim_shape) <= SHAPES_STRIDE, "shapes fit");
+
 enum ap_status sim_slot_create(struct ap_error *err, const struct ap_gpu *gpu, VkCommandPool pool,
                                struct sim_slot *slot) {
     VkCommandBufferAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
@@ -28,6 +34,7 @@ void sim_slot_destroy(const struct ap_gpu *gpu, struct sim_slot *slot) {
     for (int eye = 0; eye < 2; eye++)
         ap_gpu_buffer_destroy(gpu, &slot->eye[eye]);
     ap_gpu_buffer_destroy(gpu, &slot->preview);
+    ap_gpu_buffer_destroy(gpu, &slot->shapes);
     vkDestroyDescriptorPool(gpu->device, slot->descriptors, NULL);
     vkDestroyFence(gpu->device, slot->fence, NULL);
     *slot = (struct sim_slot){0}; // the command buffer goes with its pool
@@ -37,14 +44,22 @@ enum ap_status sim_slot_descriptors(struct ap_error *err, const struct ap_gpu *g
                                     const struct sim_pass *pass, struct sim_slot *slot) {
     if (slot->descriptors)
         return AP_OK;
-    VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, SIM_MAX_VIEWS};
+    enum ap_status st = AP_OK;
+    if (!slot->shapes.buffer)
+        st = ap_gpu_buffer_create(err, gpu, (VkDeviceSize)SIM_MAX_VIEWS * SHAPES_STRIDE,
+                                  VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, true, &slot->shapes);
+    if (st)
+        return st;
+    VkDescriptorPoolSize sizes[2] = {
+        {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, SIM_PASS_FUSED * SIM_MAX_VIEWS},
+        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, SIM_MAX_VIEWS}};
     VkDescriptorPoolCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                        .maxSets = SIM_MAX_VIEWS,
-                                       .poolSizeCount = 1,
-                                       .pPoolSizes = &size};
+                                       .poolSizeCount = 2,
+                                       .pPoolSizes = sizes};
     VkDescriptorPool pool;
-    enum ap_status st = ap_vk_check(err, vkCreateDescriptorPool(gpu->device, &info, NULL, &pool),
-                                    "vkCreateDescriptorPool");
+    st = ap_vk_check(err, vkCreateDescriptorPool(gpu->device, &info, NULL, &pool),
+                     "vkCreateDescriptorPool");
     if (st)
         return st;
     VkDescriptorSetLayout layouts[SIM_MAX_VIEWS];
@@ -112,30 +127,60 @@ static enum ap_status view_layer(struct ap_error *err, const struct ap_gpu *gpu,
     return st;
 }
 
-enum ap_status sim_slot_bind(struct ap_error *err, const struct ap_gpu *gpu,
-                             const struct sim_pass *pass, struct sim_slot *slot,
-                             const struct sim_layer *layer, uint32_t index, int eye,
-                             VkImageLayout layout) {
+static enum ap_status image_of(struct ap_error *err, const struct ap_gpu *gpu,
+                               const struct sim_pass *pass, struct sim_slot *slot,
+                               const struct sim_plan *plan, int eye,
+                               const struct sim_drawing *drawing, VkDescriptorImageInfo *image) {
+    const struct sim_layer *layer = &plan->frame->layer[drawing->layer];
     const struct sim_layer_view *view = &layer->view[eye];
-    VkDescriptorImageInfo image = {.imageLayout = layout};
+    VkImageLayout layout = sim_plan_layout(plan, view->image);
     enum ap_status st;
     if (view->samples > 1) {
-        image.imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
-        st = resolve(err, gpu, slot, view, layout, &image.imageView);
+        image->imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+        st = resolve(err, gpu, slot, view, layout, &image->imageView);
     } else {
-        st = view_layer(err, gpu, slot, view, layer->kind == SIM_LAYER_CUBE, &image.imageView);
+        image->imageLayout = layout;
+        st = view_layer(err, gpu, slot, view, layer->kind == SIM_LAYER_CUBE, &image->imageView);
     }
     if (st)
         return st;
     VkFormatProperties format;
     vkGetPhysicalDeviceFormatProperties(gpu->physical_device, view->format, &format);
     bool filters = format.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
-    image.sampler = filters ? pass->linear : pass->nearest;
-    VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                  .dstSet = slot->sets[index][eye],
-                                  .descriptorCount = 1,
-                                  .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-                                  .pImageInfo = &image};
-    vkUpdateDescriptorSets(gpu->device, 1, &write, 0, NULL);
+    image->sampler = filters ? pass->linear : pass->nearest;
+    return AP_OK;
+}
+
+enum ap_status sim_slot_bind(struct ap_error *err, const struct ap_gpu *gpu,
+                             const struct sim_pass *pass, struct sim_slot *slot,
+                             const struct sim_plan *plan, int eye, uint32_t batch) {
+    const struct sim_batch *b = &plan->batches[eye][batch];
+    const struct sim_drawing *drawings = &plan->drawings[eye][b->first];
+    VkDeviceSize offset = (VkDeviceSize)((uint32_t)eye * SIM_MAX_LAYERS + batch) * SHAPES_STRIDE;
+    VkDescriptorImageInfo images[SIM_PASS_FUSED];
+    for (uint32_t k = 0; k < SIM_PASS_FUSED; k++) {
+        if (k >= b->count) { // a set wants all of its places filled
+            images[k] = images[0];
+            continue;
+        }
+        enum ap_status st = image_of(err, gpu, pass, slot, plan, eye, &drawings[k], &images[k]);
+        if (st)
+            return st;
+        memcpy((char *)slot->shapes.mapped + offset + k * sizeof(struct sim_shape),
+               &drawings[k].seen.shape, sizeof(struct sim_shape));
+    }
+    VkDescriptorBufferInfo shapes = {slot->shapes.buffer, offset, SHAPES_STRIDE};
+    VkWriteDescriptorSet writes[2] = {{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                       .dstSet = slot->sets[eye][batch],
+                                       .descriptorCount = SIM_PASS_FUSED,
+                                       .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                       .pImageInfo = images},
+                                      {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                       .dstSet = slot->sets[eye][batch],
+                                       .dstBinding = SIM_PASS_FUSED,
+                                       .descriptorCount = 1,
+                                       .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+                                       .pBufferInfo = &shapes}};
+    vkUpdateDescriptorSets(gpu->device, 2, writes, 0, NULL);
     return AP_OK;
 }

@@ -2,6 +2,7 @@
 #define ANTIPODE_SIM_HMD_COMPOSITOR_SLOT_H
 
 #include "sim_hmd/compositor_pass.h"
+#include "sim_hmd/compositor_plan.h"
 #include "sim_hmd/frame.h"
 
 enum { SIM_MAX_VIEWS = 2 * SIM_MAX_LAYERS };
@@ -13,8 +14,9 @@ struct sim_slot {
     VkCommandBuffer cmd;
     VkFence fence;
     VkDescriptorPool descriptors;
-    VkDescriptorSet sets[SIM_MAX_LAYERS][2];
-    struct ap_gpu_buffer eye[2], preview; // made when first needed
+    VkDescriptorSet sets[2][SIM_MAX_LAYERS]; // of an eye's batches
+    struct ap_gpu_buffer shapes;             // what the sets say of their layers
+    struct ap_gpu_buffer eye[2], preview;    // made when first needed
     VkImageView views[SIM_MAX_VIEWS];
     uint32_t view_count;
     struct ap_gpu_image resolved[SIM_MAX_VIEWS];
@@ -36,12 +38,10 @@ void sim_slot_recycle(const struct ap_gpu *gpu, struct sim_slot *slot);
 enum ap_status sim_slot_descriptors(struct ap_error *err, const struct ap_gpu *gpu,
                                     const struct sim_pass *pass, struct sim_slot *slot);
 
-// Makes a layer's view readable by the shader: sets[index][eye]. The image is in `layout`, or in
-// TRANSFER_SRC_OPTIMAL or GENERAL if it is multisampled: then it is resolved first, by commands
-// put into slot->cmd.
+// Makes what a batch of the eye's draws readable by the shader: sets[eye][batch]. Multisampled
+// images are resolved first, by commands put into slot->cmd.
 enum ap_status sim_slot_bind(struct ap_error *err, const struct ap_gpu *gpu,
                              const struct sim_pass *pass, struct sim_slot *slot,
-                             const struct sim_layer *layer, uint32_t index, int eye,
-                             VkImageLayout layout);
+                             const struct sim_plan *plan, int eye, uint32_t batch);
 
 #endif

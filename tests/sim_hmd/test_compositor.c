@@ -134,6 +134,20 @@ static void linear_formats(void **state) {
             linear[k / 4 * 3 + k % 4] = (double)wide[k];
     compare(2, 0, linear, 1);
     compare(2, 1, linear, 1);
+    // A layer's values are cut to 0…1 before they are laid over another's.
+    struct sim_frame h = new_frame(3);
+    add_layer(&h, &unorm);
+    add_layer(&h, &real)->blend_alpha = true;
+    submit(c, &h);
+    flush(c);
+    for (int k = 0; k < W * H; k++) {
+        double alpha = fmin(fmax((double)wide[4 * k + 3], 0), 1);
+        for (int i = 0; i < 3; i++)
+            linear[3 * k + i] =
+                fmin(fmax((double)wide[4 * k + i], 0), 1) + (1 - alpha) * bytes[4 * k + i] / 255.0;
+    }
+    compare(3, 0, linear, 1);
+    compare(3, 1, linear, 1);
     sim_compositor_destroy(c);
     ap_gpu_image_destroy(&gpu, &unorm.image);
     ap_gpu_image_destroy(&gpu, &real.image);

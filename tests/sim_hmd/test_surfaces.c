@@ -83,7 +83,7 @@ static struct ap_vec3 ray_of(const struct sim_frame *f, int eye, int i, int j) {
 
 static void lay_over(const struct sim_layer *l, const double c[4], double *out) {
     double alpha = l->blend_alpha ? c[3] : 1;
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3 && !isnan(out[k]); k++)
         out[k] = fmin(
             c[k] * (l->blend_alpha && l->unpremultiplied ? alpha : 1) + (1 - alpha) * out[k], 1);
 }
@@ -246,6 +246,44 @@ static void spheres(void **state) {
     close_pictures(&p);
 }
 
+// Many layers at once, large and small, so that some are laid within one draw and some are not.
+static void stacks(void **state) {
+    (void)state;
+    struct pictures p;
+    open_pictures(&p);
+    for (int k = 0; k < 12; k++) {
+        static double linear[2][3 * W * H];
+        struct sim_frame f;
+        stacked(&p, k, &f);
+        f.layer_count = 1;
+        for (int eye = 0; eye < 2; eye++)
+            below_is(p.below_bytes, linear[eye]);
+        while (f.layer_count < 9) {
+            struct sim_layer *l = add_layer(&f, &p.above);
+            l->kind = f.layer_count % 3 == 0   ? SIM_LAYER_QUAD
+                      : f.layer_count % 3 == 1 ? SIM_LAYER_CYLINDER
+                                               : SIM_LAYER_EQUIRECT;
+            l->blend_alpha = f.layer_count != 4;
+            l->unpremultiplied = true;
+            l->width_m = l->height_m = between(0.3, 5);
+            l->radius_m = between(2, 4);
+            l->central_rad = between(1, 2 * PI);
+            l->height_radii = between(1, 4);
+            l->upper_rad = between(0.5, PI / 2);
+            l->lower_rad = between(-PI / 2, -0.5);
+            l->view[0].at_display = l->view[1].at_display = false;
+            place(l, before(&f, 0.1, 1.5, 0.6));
+            for (int eye = 0; eye < 2; eye++)
+                reference(&f, eye, l, p.above_bytes, linear[eye]);
+        }
+        submit(p.c, &f);
+        flush(p.c);
+        for (int eye = 0; eye < 2; eye++)
+            compare(k, eye, linear[eye], TOLERANCE);
+    }
+    close_pictures(&p);
+}
+
 // ---- Cubes: a colour that is a smooth function of the direction
 
 static void colour_of(struct ap_vec3 d, uint8_t out[4]) {
@@ -380,13 +418,10 @@ int main(void) {
     if (!stage_open())
         return 77;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(quads),
-        cmocka_unit_test(cylinders),
-        cmocka_unit_test(spheres),
-        cmocka_unit_test(cubes),
-        cmocka_unit_test(what_is_hidden_costs_nothing),
-        cmocka_unit_test(odd_shapes),
-        cmocka_unit_test(validation_is_silent),
+        cmocka_unit_test(quads),      cmocka_unit_test(cylinders),
+        cmocka_unit_test(spheres),    cmocka_unit_test(stacks),
+        cmocka_unit_test(cubes),      cmocka_unit_test(what_is_hidden_costs_nothing),
+        cmocka_unit_test(odd_shapes), cmocka_unit_test(validation_is_silent),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     stage_close();

@@ -1,0 +1,9 @@
+#version 450
+// One textured triangle over the whole picture: the least that a draw can be.
+
+layout(location = 0) out vec2 uv;
+
+void main() {
+    uv = vec2((gl_VertexIndex << 1) & 2, gl_VertexIndex & 2);
+    gl_Position = vec4(2.0 * uv - 1.0, 0.0, 1.0);
+}
