@@ -15,6 +15,7 @@ enum { NAMES_MAX = 256, NAME_MAX_BYTES = 24, TRACKERS_MAX = 256 };
 struct device {
     int64_t number; // of its D: line
     bool sought;    // for a driver
+    bool has_flown;
     int64_t last_flight_ns;
     const struct ap_driver *driver;
     uint16_t names[TRACKERS_MAX]; // by tracker: index of its name + 1, 0: none yet
@@ -219,16 +220,28 @@ static struct ap_pose place(const struct ap_driver_sample *s, enum ap_body_part 
     return pose;
 }
 
+// A report may hold several measurements of one tracker; its newest pose is the report's.
+static bool is_overtaken(const struct ap_driver_samples *samples, int index) {
+    for (int i = index + 1; i < samples->count; i++)
+        if (samples->at[i].tracker == samples->at[index].tracker &&
+            samples->at[i].kind != AP_SAMPLE_IMU)
+            return true;
+    return false;
+}
+
 bool ap_report_log_take(struct ap_report_log *log, struct ap_row *row) {
     while (log->given < log->samples.count) {
         const struct ap_driver_sample *s = &log->samples.at[log->given++];
         struct device *d = log->devices[log->current];
-        // A cap's two reports may come at one time; in no time nothing flies.
-        bool again = s->kind == AP_SAMPLE_FLIGHT && d->names[s->tracker] &&
-                     d->last_flight_ns == log->line.t_ns;
-        const char *name = name_of(log, d, s->tracker);
-        if (!name || again || s->kind == AP_SAMPLE_IMU)
+        if (s->kind == AP_SAMPLE_IMU || is_overtaken(&log->samples, log->given - 1))
             continue;
+        // A cap's two reports may come at one time; in no time nothing flies.
+        if (s->kind == AP_SAMPLE_FLIGHT && d->has_flown && d->last_flight_ns == log->line.t_ns)
+            continue;
+        const char *name = name_of(log, d, s->tracker);
+        if (!name)
+            continue;
+        d->has_flown = true;
         d->last_flight_ns = log->line.t_ns;
         struct ap_field device = {name, strlen(name)};
         struct ap_field role = log->role.len ? log->role : device;
