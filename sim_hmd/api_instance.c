@@ -93,6 +93,7 @@ static void free_instance(struct sim_object *object) {
     sim_source_destroy(instance->source);
     sim_settings_finish(&instance->settings);
     sim_paths_finish(&instance->paths);
+    sim_names_finish(&instance->names);
     free(instance->suggestions);
     free(instance);
 }

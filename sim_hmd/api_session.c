@@ -80,6 +80,7 @@ static void free_session(struct sim_object *object) {
     }
     sim_automation_finish(&session->automation);
     free(session->bindings);
+    sim_labels_finish(&session->labels);
     free(session);
 }
 

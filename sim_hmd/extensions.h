@@ -36,6 +36,7 @@
     X(KHR_vulkan_enable)                                                                           \
     X(KHR_convert_timespec_time)                                                                   \
     X(FB_display_refresh_rate)                                                                     \
+    X(EXT_debug_utils)                                                                             \
     X(EXT_hand_tracking)                                                                           \
     X(KHR_visibility_mask)                                                                         \
     X(KHR_locate_spaces)                                                                           \

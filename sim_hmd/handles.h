@@ -16,6 +16,7 @@ enum sim_type {
     SIM_ACTION_SET,
     SIM_ACTION,
     SIM_HAND_TRACKER,
+    SIM_DEBUG_MESSENGER,
 };
 
 // The first member of every object.

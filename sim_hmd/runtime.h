@@ -13,6 +13,7 @@
 #include <openxr/openxr_platform.h>
 
 #include "sim_hmd/automation.h"
+#include "sim_hmd/debug_utils.h"
 #include "sim_hmd/extensions.h"
 #include "sim_hmd/frame.h"
 #include "sim_hmd/handles.h"
@@ -54,6 +55,7 @@ struct sim_instance {
     bool enabled[SIM_EXTENSION_COUNT];
     bool requirements_called;
     struct sim_paths paths;
+    struct sim_names names; // XR_EXT_debug_utils
     struct sim_events events;
     struct sim_suggestion *suggestions;
     uint32_t suggestion_count, suggestion_capacity;
@@ -104,6 +106,7 @@ struct sim_session {
     int profile[SIM_TOP_COUNT]; // of sim_profiles, as of the last xrSyncActions; −1: none
     int64_t input_ns;           // XrTime of the last xrSyncActions
     struct sim_automation automation;
+    struct sim_labels labels; // XR_EXT_debug_utils
 };
 
 struct sim_space {

@@ -65,6 +65,7 @@ static void functions_come_with_their_extension(void **state) {
         {XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, "xrRequestDisplayRefreshRateFB"},
         {XR_KHR_VISIBILITY_MASK_EXTENSION_NAME, "xrGetVisibilityMaskKHR"},
         {XR_EXT_HAND_TRACKING_EXTENSION_NAME, "xrLocateHandJointsEXT"},
+        {XR_EXT_DEBUG_UTILS_EXTENSION_NAME, "xrSessionInsertDebugUtilsLabelEXT"},
     };
     client_settings(NULL);
     for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {

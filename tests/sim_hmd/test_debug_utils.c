@@ -1,0 +1,241 @@
+#include <stdio.h>
+#include <string.h>
+
+#include "tests/sim_hmd/client.h"
+
+// XR_EXT_debug_utils through the loader. Debian's has messengers of its own, which it gives up
+// where the runtime has the extension: each message comes once.
+
+struct debug {
+    struct client c;
+    PFN_xrSetDebugUtilsObjectNameEXT name;
+    PFN_xrCreateDebugUtilsMessengerEXT create;
+    PFN_xrDestroyDebugUtilsMessengerEXT destroy;
+    PFN_xrSubmitDebugUtilsMessageEXT submit;
+    PFN_xrSessionBeginDebugUtilsLabelRegionEXT begin;
+    PFN_xrSessionEndDebugUtilsLabelRegionEXT end;
+    PFN_xrSessionInsertDebugUtilsLabelEXT insert;
+};
+
+static void start(struct debug *d) {
+    client_settings("{\"clock\": \"virtual\"}");
+    const char *const extensions[] = {XR_MND_HEADLESS_EXTENSION_NAME,
+                                      XR_EXT_DEBUG_UTILS_EXTENSION_NAME};
+    XrInstanceCreateInfo info = {
+        .type = XR_TYPE_INSTANCE_CREATE_INFO,
+        .applicationInfo = {.applicationName = "test", .apiVersion = XR_MAKE_VERSION(1, 0, 0)},
+        .enabledExtensionCount = 2,
+        .enabledExtensionNames = extensions};
+    XR_OK(xrCreateInstance(&info, &d->c.instance));
+    XrSystemGetInfo get = {.type = XR_TYPE_SYSTEM_GET_INFO,
+                           .formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY};
+    XR_OK(xrGetSystem(d->c.instance, &get, &d->c.system));
+    XrSessionCreateInfo session = {.type = XR_TYPE_SESSION_CREATE_INFO, .systemId = d->c.system};
+    XR_OK(xrCreateSession(d->c.instance, &session, &d->c.session));
+    XrInstance i = d->c.instance;
+    *(void **)&d->name = client_proc(i, "xrSetDebugUtilsObjectNameEXT");
+    *(void **)&d->create = client_proc(i, "xrCreateDebugUtilsMessengerEXT");
+    *(void **)&d->destroy = client_proc(i, "xrDestroyDebugUtilsMessengerEXT");
+    *(void **)&d->submit = client_proc(i, "xrSubmitDebugUtilsMessageEXT");
+    *(void **)&d->begin = client_proc(i, "xrSessionBeginDebugUtilsLabelRegionEXT");
+    *(void **)&d->end = client_proc(i, "xrSessionEndDebugUtilsLabelRegionEXT");
+    *(void **)&d->insert = client_proc(i, "xrSessionInsertDebugUtilsLabelEXT");
+}
+
+// What the last callbacks heard.
+struct heard {
+    XrInstance instance; // asked from within the callback
+    int count;
+    char message[64], names[256], labels[256];
+};
+
+static XrBool32 XRAPI_CALL listen(XrDebugUtilsMessageSeverityFlagsEXT severity,
+                                  XrDebugUtilsMessageTypeFlagsEXT types,
+                                  const XrDebugUtilsMessengerCallbackDataEXT *data, void *user) {
+    struct heard *h = user;
+    (void)severity;
+    (void)types;
+    h->count++;
+    snprintf(h->message, sizeof h->message, "%s", data->message);
+    h->names[0] = h->labels[0] = '\0';
+    for (uint32_t i = 0; i < data->objectCount; i++) {
+        const char *name = data->objects[i].objectName;
+        snprintf(h->names + strlen(h->names), 64, "%s;", name ? name : "-");
+    }
+    for (uint32_t i = 0; i < data->sessionLabelCount; i++)
+        snprintf(h->labels + strlen(h->labels), 64, "%s;", data->sessionLabels[i].labelName);
+    if (h->instance) { // the runtime's lock is free
+        char text[XR_MAX_RESULT_STRING_SIZE];
+        XR_OK(xrResultToString(h->instance, XR_SUCCESS, text));
+    }
+    return XR_FALSE;
+}
+
+static const XrDebugUtilsMessageSeverityFlagsEXT warning =
+    XR_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT;
+static const XrDebugUtilsMessageTypeFlagsEXT general = XR_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT;
+
+static XrDebugUtilsMessengerEXT make_messenger(struct debug *d, struct heard *h) {
+    XrDebugUtilsMessengerCreateInfoEXT info = {.type =
+                                                   XR_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+                                               .messageSeverities = warning,
+                                               .messageTypes = general,
+                                               .userCallback = listen,
+                                               .userData = h};
+    XrDebugUtilsMessengerEXT messenger = XR_NULL_HANDLE;
+    XR_OK(d->create(d->c.instance, &info, &messenger));
+    return messenger;
+}
+
+static XrResult say(struct debug *d, XrDebugUtilsMessageSeverityFlagsEXT severity,
+                    XrDebugUtilsMessageTypeFlagsEXT types, const char *text) {
+    XrDebugUtilsObjectNameInfoEXT objects[2] = {
+        {.type = XR_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+         .objectType = XR_OBJECT_TYPE_INSTANCE,
+         .objectHandle = (uint64_t)(uintptr_t)d->c.instance},
+        {.type = XR_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+         .objectType = XR_OBJECT_TYPE_SESSION,
+         .objectHandle = (uint64_t)(uintptr_t)d->c.session}};
+    XrDebugUtilsMessengerCallbackDataEXT data = {
+        .type = XR_TYPE_DEBUG_UTILS_MESSENGER_CALLBACK_DATA_EXT,
+        .messageId = "id",
+        .functionName = "f",
+        .message = text,
+        .objectCount = 2,
+        .objects = objects};
+    return d->submit(d->c.instance, severity, types, &data);
+}
+
+static void messages_go_to_those_who_want_them(void **state) {
+    (void)state;
+    struct debug d = {0};
+    start(&d);
+    struct heard a = {.instance = d.c.instance}, b = {0};
+    XrDebugUtilsMessengerEXT first = make_messenger(&d, &a), second = make_messenger(&d, &b);
+    XR_OK(say(&d, warning, general, "one"));
+    assert_int_equal(a.count, 1);
+    assert_int_equal(b.count, 1);
+    assert_string_equal(a.message, "one");
+    XR_OK(say(&d, XR_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT, general, "two"));
+    XR_OK(say(&d, warning, XR_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT, "three"));
+    assert_int_equal(a.count, 1);
+    XR_OK(d.destroy(first));
+    XR_OK(say(&d, warning, general, "four"));
+    assert_int_equal(a.count, 1);
+    assert_int_equal(b.count, 2);
+    XR_OK(d.destroy(second));
+    XR_OK(say(&d, warning, general, "five"));
+    assert_int_equal(b.count, 2);
+    client_stop(&d.c);
+}
+
+static XrResult set_name(struct debug *d, XrObjectType type, const void *handle, const char *name) {
+    XrDebugUtilsObjectNameInfoEXT info = {.type = XR_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+                                          .objectType = type,
+                                          .objectHandle = (uint64_t)(uintptr_t)handle,
+                                          .objectName = name};
+    return d->name(d->c.instance, &info);
+}
+
+static void objects_have_names(void **state) {
+    (void)state;
+    struct debug d = {0};
+    start(&d);
+    struct heard h = {0};
+    make_messenger(&d, &h);
+    XR_OK(set_name(&d, XR_OBJECT_TYPE_SESSION, d.c.session, "the session"));
+    XR_OK(say(&d, warning, general, "x"));
+    assert_string_equal(h.names, "-;the session;");
+    XR_OK(set_name(&d, XR_OBJECT_TYPE_SESSION, d.c.session, "another"));
+    XR_OK(set_name(&d, XR_OBJECT_TYPE_INSTANCE, d.c.instance, "instance"));
+    XR_OK(say(&d, warning, general, "x"));
+    assert_string_equal(h.names, "instance;another;");
+    XR_OK(set_name(&d, XR_OBJECT_TYPE_SESSION, d.c.session, ""));
+    XR_OK(say(&d, warning, general, "x"));
+    assert_string_equal(h.names, "instance;-;");
+    // Many that come and go.
+    for (int i = 0; i < 500; i++) {
+        XrReferenceSpaceCreateInfo info = {.type = XR_TYPE_REFERENCE_SPACE_CREATE_INFO,
+                                           .referenceSpaceType = XR_REFERENCE_SPACE_TYPE_STAGE,
+                                           .poseInReferenceSpace.orientation.w = 1};
+        XrSpace space;
+        XR_OK(xrCreateReferenceSpace(d.c.session, &info, &space));
+        XR_OK(set_name(&d, XR_OBJECT_TYPE_SPACE, space, "space"));
+        XR_OK(xrDestroySpace(space));
+    }
+    XR_OK(say(&d, warning, general, "x"));
+    assert_string_equal(h.names, "instance;-;");
+    client_stop(&d.c);
+}
+
+static void label(struct debug *d, PFN_xrSessionBeginDebugUtilsLabelRegionEXT f, const char *text) {
+    XrDebugUtilsLabelEXT info = {.type = XR_TYPE_DEBUG_UTILS_LABEL_EXT, .labelName = text};
+    XR_OK(f(d->c.session, &info));
+}
+
+static void labels_nest(void **state) {
+    (void)state;
+    struct debug d = {0};
+    start(&d);
+    struct heard h = {0};
+    make_messenger(&d, &h);
+    static const struct {
+        char what; // begin, insert, end
+        const char *text, *labels;
+    } steps[] = {{'i', "1", "1;"},   {'b', "A", "A;"},     {'i', "2", "2;A;"}, {'i', "3", "3;A;"},
+                 {'b', "B", "B;A;"}, {'i', "4", "4;B;A;"}, {'e', NULL, "A;"},  {'i', "5", "5;A;"},
+                 {'e', NULL, ""},    {'e', NULL, ""},      {'b', "C", "C;"}};
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        if (steps[i].what == 'e')
+            XR_OK(d.end(d.c.session));
+        else
+            label(&d, steps[i].what == 'b' ? d.begin : d.insert, steps[i].text);
+        XR_OK(say(&d, warning, general, "x"));
+        assert_string_equal(h.labels, steps[i].labels);
+    }
+    client_stop(&d.c);
+}
+
+// The runtime's own functions, past the loader, which would catch some of it.
+static void what_is_wrong_is_refused(void **state) {
+    (void)state;
+    struct debug d = {0};
+    start(&d);
+    XrDebugUtilsMessengerCreateInfoEXT info = {.type =
+                                                   XR_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+                                               .messageSeverities = warning,
+                                               .messageTypes = general};
+    XrDebugUtilsMessengerEXT messenger;
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, d.create(d.c.instance, &info, &messenger));
+    info.userCallback = listen;
+    info.messageSeverities = 0;
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, d.create(d.c.instance, &info, &messenger));
+    info.messageSeverities = 2;
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, d.create(d.c.instance, &info, &messenger));
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, say(&d, warning, 0, "x"));
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, say(&d, 1ull << 40, general, "x"));
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, say(&d, warning, general, NULL));
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, set_name(&d, XR_OBJECT_TYPE_UNKNOWN, d.c.session, "x"));
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, set_name(&d, XR_OBJECT_TYPE_SESSION, NULL, "x"));
+    XR_IS(XR_ERROR_HANDLE_INVALID, set_name(&d, XR_OBJECT_TYPE_SPACE, d.c.session, "x"));
+    XR_IS(XR_ERROR_HANDLE_INVALID, set_name(&d, (XrObjectType)12345, d.c.session, "x"));
+    XR_IS(XR_ERROR_VALIDATION_FAILURE, d.begin(d.c.session, NULL));
+    for (int i = 0; i < 1024; i++)
+        label(&d, d.begin, "deep");
+    XrDebugUtilsLabelEXT deeper = {.type = XR_TYPE_DEBUG_UTILS_LABEL_EXT, .labelName = "deeper"};
+    XR_IS(XR_ERROR_LIMIT_REACHED, d.begin(d.c.session, &deeper));
+    XR_IS(XR_ERROR_LIMIT_REACHED, d.insert(d.c.session, &deeper));
+    client_stop(&d.c);
+}
+
+#define TEST(name) cmocka_unit_test_teardown(name, client_teardown)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        TEST(messages_go_to_those_who_want_them),
+        TEST(objects_have_names),
+        TEST(labels_nest),
+        TEST(what_is_wrong_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
