@@ -188,7 +188,8 @@ static enum ap_status next(struct ap_error *err, struct ap_poselog *log, struct 
                                    .pose = to_table(log, s->row.pose, log->devices[device].is_head),
                                    .trigger = s->row.trigger,
                                    .squeeze = s->row.squeeze,
-                                   .select = s->row.select};
+                                   .select = s->row.select,
+                                   .reset = s->row.reset};
             *got = true;
             return AP_OK;
         }

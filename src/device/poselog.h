@@ -20,6 +20,7 @@ struct ap_sample {
     struct ap_pose pose;
     float trigger, squeeze; // 0…1; 0 where the log has none
     bool select;
+    bool reset; // the device has begun a new reference: nothing leads here from the sample before
 };
 
 struct ap_poselog;

@@ -28,7 +28,7 @@ struct ap_row {
     struct ap_field device; // empty: the format has no device column
     struct ap_pose pose;
     float trigger, squeeze;
-    bool select;
+    bool select, reset;
     size_t t_column, device_column; // 1-based bytes, for messages about what only the log knows
 };
 

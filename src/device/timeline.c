@@ -185,7 +185,7 @@ enum ap_pose_state ap_timeline_at(const struct ap_timeline *t, int device, int64
         return AP_POSE_LOST;
     const struct ap_sample *after = sample_of(t, device, n);
     int64_t gap = after->t_ns - before->t_ns;
-    if (gap > LOST_AFTER_NS)
+    if (gap > LOST_AFTER_NS || after->reset)
         return AP_POSE_LOST;
     double part = (double)(t_ns - before->t_ns) / (double)gap;
     sample->pose = ap_pose_interpolate(before->pose, after->pose, part);

@@ -43,9 +43,10 @@ int64_t ap_frame_time_ns(int64_t t0_ns, int64_t frame, double refresh_hz);
 // Number of frames with t_k ≤ the last head sample.
 int64_t ap_timeline_frame_count(const struct ap_timeline *timeline, double refresh_hz);
 
-// The pose at t: exact at a sample, interpolated between neighbours at most 100 ms apart, else lost
-// (the newest sample before t is held). AP_POSE_NONE before the first sample: *sample untouched.
-// trigger, squeeze, select: those of the newest sample at or before t. sample->t_ns = t.
+// The pose at t: exact at a sample, interpolated between neighbours at most 100 ms apart (and of
+// one reference), else lost (the newest sample before t is held). AP_POSE_NONE before the first
+// sample: *sample untouched. trigger, squeeze, select: those of the newest sample at or before t.
+// sample->t_ns = t.
 enum ap_pose_state ap_timeline_at(const struct ap_timeline *timeline, int device, int64_t t_ns,
                                   struct ap_sample *sample);
 

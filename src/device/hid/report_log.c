@@ -251,6 +251,7 @@ bool ap_report_log_take(struct ap_report_log *log, struct ap_row *row) {
             .pose = place(s, ap_body_part_of(role.text, role.len)),
             .trigger = s->trigger,
             .select = s->buttons & 1,
+            .reset = s->reset,
             .t_column = log->line.t_column,
             .device_column = log->line.t_column,
         };

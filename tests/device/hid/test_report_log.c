@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "src/device/poselog.h"
+#include "src/device/timeline.h"
 #include "tests/device/memory_file.h"
 
 // Recordings made by hand, through the pose-log reader: which rows come out, and what is said
@@ -154,6 +154,35 @@ static void test_bad_lines(void **unused) {
                               "3000000000 head 0.00 1.58 -0.08 0.00 1.00;");
 }
 
+// A rotation vector of three bytes and a reset counter, which changes at the third report.
+static void test_reset(void **unused) {
+    (void)unused;
+    struct memory_file file = memory_text(
+        "R: 29 05 20 09 e1 a1 01 0a 44 05 15 81 25 7f 75 08 95 03 81 02 0a 46 05 15 00 95 01 81 02 "
+        "c0\nE: 1.00 4 00 00 00 05\nE: 1.02 4 01 00 00 05\nE: 1.04 4 00 00 03 06\n"
+        "E: 1.06 4 00 00 03 06\n");
+    const char *source = file.path;
+    struct ap_poselog_params params = {.sources = &source, .source_count = 1};
+    struct ap_poselog *log = NULL;
+    struct ap_timeline *t = NULL;
+    struct ap_error err = {""};
+    if (ap_poselog_open(&err, &params, &log) || ap_timeline_load(&err, log, &t))
+        fail_msg("%s", err.text);
+    static const enum ap_pose_state want[] = {
+        AP_POSE_EXACT, AP_POSE_INTERPOLATED, AP_POSE_EXACT, AP_POSE_LOST,
+        AP_POSE_EXACT, AP_POSE_INTERPOLATED, AP_POSE_EXACT};
+    for (int i = 0; i < 7; i++) {
+        struct ap_sample s;
+        enum ap_pose_state got = ap_timeline_at(t, 0, 1000000000 + i * INT64_C(10000000), &s);
+        if (got != want[i])
+            fail_msg("%d ms: %s, expected %s", 10 * i, ap_pose_state_name(got),
+                     ap_pose_state_name(want[i]));
+    }
+    ap_timeline_destroy(t);
+    ap_poselog_close(log);
+    close(file.fd);
+}
+
 static void test_many_devices(void **unused) {
     (void)unused;
     static char text[65 * 128];
@@ -170,9 +199,9 @@ static void test_many_devices(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_roles),        cmocka_unit_test(test_devices),
-        cmocka_unit_test(test_cap),          cmocka_unit_test(test_bad_lines),
-        cmocka_unit_test(test_many_devices),
+        cmocka_unit_test(test_roles), cmocka_unit_test(test_devices),
+        cmocka_unit_test(test_cap),   cmocka_unit_test(test_bad_lines),
+        cmocka_unit_test(test_reset), cmocka_unit_test(test_many_devices),
     };
     return cmocka_run_group_tests_name("hid-report-log", tests, NULL, NULL);
 }
