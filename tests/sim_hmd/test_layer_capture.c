@@ -510,6 +510,114 @@ static void through_the_lens(void **state) {
     }
 }
 
+// One colour all over, whatever the image is: cleared, not copied to.
+static void clear(struct program *p, XrSwapchain swapchain, const float rgba[4]) {
+    uint32_t index, count;
+    XrSwapchainImageWaitInfo wait = {.type = XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO,
+                                     .timeout = XR_INFINITE_DURATION};
+    XrSwapchainImageVulkanKHR images[3] = {{.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR},
+                                           {.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR},
+                                           {.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR}};
+    XR_OK(xrEnumerateSwapchainImages(swapchain, 3, &count, (XrSwapchainImageBaseHeader *)images));
+    XR_OK(xrAcquireSwapchainImage(swapchain, NULL, &index));
+    XR_OK(xrWaitSwapchainImage(swapchain, &wait));
+    VkCommandBufferAllocateInfo a = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                     .commandPool = p->pool,
+                                     .commandBufferCount = 1};
+    VkCommandBuffer cmd;
+    assert_int_equal(vkAllocateCommandBuffers(p->c.device, &a, &cmd), VK_SUCCESS);
+    VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    vkBeginCommandBuffer(cmd, &begin);
+    VkImage image = images[index].image;
+    turn(cmd, image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+         VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    VkClearColorValue colour;
+    memcpy(colour.float32, rgba, sizeof colour.float32);
+    VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 2};
+    vkCmdClearColorImage(cmd, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &colour, 1, &all);
+    turn(cmd, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+         VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    vkEndCommandBuffer(cmd);
+    VkSubmitInfo submit = {
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &cmd};
+    assert_int_equal(vkQueueSubmit(p->queue, 1, &submit, VK_NULL_HANDLE), VK_SUCCESS);
+    XR_OK(xrReleaseSwapchainImage(swapchain, NULL));
+}
+
+static void check_colour(const char *name, int width, int height, const int want[3]) {
+    struct ap_image image;
+    struct ap_error err;
+    if (ap_png_read(&err, path_of("clear", name), &image))
+        fail_msg("%s", err.text);
+    assert_int_equal(image.width, width);
+    assert_int_equal(image.height, height);
+    for (int k = 0; k < width * height * 3; k++)
+        if (abs(image.rgb[k] - want[k % 3]) > 1)
+            fail_msg("%s: byte %d is %d, expected %d within 1", name, k, image.rgb[k], want[k % 3]);
+    ap_image_finish(&image);
+}
+
+// A projection of multisampled images, which are resolved, and a quad, which has one picture.
+static void samples_and_quads(void **state) {
+    (void)state;
+    struct program p;
+    make_program(&p, "clear", ", \"layers\": true, \"frames\": \"0:1\"", "");
+    XrSwapchainCreateInfo i = {.type = XR_TYPE_SWAPCHAIN_CREATE_INFO,
+                               .usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT |
+                                             XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT,
+                               .format = VK_FORMAT_R16G16B16A16_SFLOAT,
+                               .sampleCount = 4,
+                               .width = W,
+                               .height = H,
+                               .faceCount = 1,
+                               .arraySize = 2,
+                               .mipCount = 1};
+    struct screen s[2] = {{0}, {0}};
+    XR_OK(xrCreateSwapchain(p.c.session, &i, &s[0].swapchain));
+    i.sampleCount = 1;
+    i.format = VK_FORMAT_B8G8R8A8_SRGB;
+    XR_OK(xrCreateSwapchain(p.c.session, &i, &s[1].swapchain));
+    const float first[4] = {0.5f, 2, 0.1f, 1}, second[4] = {0.25f, 0, 1, 1};
+    XrTime time = client_wait(&p.c).predictedDisplayTime;
+    client_begin(&p.c);
+    clear(&p, s[0].swapchain, first);
+    clear(&p, s[1].swapchain, second);
+    struct layer l;
+    make_layer(&p, &s[0], time, part, 0, &l);
+    XrCompositionLayerQuad quad = {.type = XR_TYPE_COMPOSITION_LAYER_QUAD,
+                                   .space = p.c.local,
+                                   .eyeVisibility = XR_EYE_VISIBILITY_RIGHT,
+                                   .subImage = {.swapchain = s[1].swapchain, .imageRect = part},
+                                   .pose = {{0, 0, 0, 1}, {0, 0, -1}},
+                                   .size = {1, 1}};
+    const XrCompositionLayerBaseHeader *list[2] = {
+        (const XrCompositionLayerBaseHeader *)&l.projection,
+        (const XrCompositionLayerBaseHeader *)&quad};
+    XrFrameEndInfo end = {.type = XR_TYPE_FRAME_END_INFO,
+                          .displayTime = time,
+                          .environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE,
+                          .layerCount = 2,
+                          .layers = list};
+    XR_OK(xrEndFrame(p.c.session, &end));
+    end_program(&p);
+    const int resolved[3] = {188, 255, 89}, encoded[3] = {137, 0, 255};
+    check_colour("000000-layer0-left.png", 33, 19, resolved);
+    check_colour("000000-layer0-right.png", 33, 19, resolved);
+    check_colour("000000-layer1.png", 33, 19, encoded);
+    assert_false(exists("clear", "000000-layer1-left.png"));
+    size_t len;
+    char *text = read_whole("clear", "frames.jsonl", &len);
+    json_t *root = json_loads(text, 0, NULL);
+    check_text(root, "layers/1/type", "quad");
+    check_text(root, "layers/1/eyes", "right");
+    check_text(root, "layers/1/space", "local");
+    check_number(root, "layers/0/views/0/samples", 4);
+    assert_int_equal(json_array_size(at(root, "layers/1/views")), 1);
+    check_text(root, "files/4", "000000-layer1.png");
+    json_decref(root);
+    free(text);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_killed_program_leaves_its_lines),
@@ -518,6 +626,7 @@ int main(void) {
         cmocka_unit_test_teardown(the_log_tells_what_was_submitted, client_teardown),
         cmocka_unit_test_teardown(two_runs_leave_the_same_bytes, client_teardown),
         cmocka_unit_test_teardown(through_the_lens, client_teardown),
+        cmocka_unit_test_teardown(samples_and_quads, client_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
