@@ -57,6 +57,14 @@ struct sim_located sim_head_in_stage(const struct sim_session *session, XrTime t
     return device_in_stage(session, SIM_HEAD, time);
 }
 
+// The palm lies on the handle's outer side; stretched fingers point half-way between the handle and
+// the ray across it.
+static struct ap_pose grip_from_palm(int top) {
+    const double out_m = 0.02, tilt_rad = -0.78539816339744831;
+    return (struct ap_pose){.p = {top == SIM_TOP_LEFT ? -out_m : out_m, 0, 0},
+                            .q = ap_quat_from_axis_angle((struct ap_vec3){1, 0, 0}, tilt_rad)};
+}
+
 static struct sim_located action_in_stage(const struct sim_space *space, XrTime time) {
     const struct sim_session *session = space->session;
     struct sim_located none = {AP_POSE_NONE, AP_POSE_IDENTITY};
@@ -74,6 +82,8 @@ static struct sim_located action_in_stage(const struct sim_space *space, XrTime 
         device_in_stage(session, top == SIM_TOP_LEFT ? SIM_LEFT : SIM_RIGHT, time);
     if (hand.state && c->input == SIM_AIM)
         hand.pose = ap_headset_aim(&session->instance->settings.profile, hand.pose);
+    if (hand.state && c->input == SIM_PALM)
+        hand.pose = ap_pose_mul(hand.pose, grip_from_palm(top));
     return hand;
 }
 
