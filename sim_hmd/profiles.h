@@ -19,7 +19,7 @@ extern const char *const sim_top_paths[SIM_TOP_COUNT];
 enum sim_kind { SIM_BOOL, SIM_FLOAT, SIM_VEC2, SIM_POSE, SIM_HAPTIC };
 
 // What a component reads. SIM_REST never moves.
-enum sim_input { SIM_REST, SIM_TRIGGER, SIM_SQUEEZE, SIM_SELECT, SIM_GRIP, SIM_AIM };
+enum sim_input { SIM_REST, SIM_TRIGGER, SIM_SQUEEZE, SIM_SELECT, SIM_GRIP, SIM_AIM, SIM_PALM };
 
 // Not of OpenXR 1.0's core.
 enum sim_needs { SIM_NEEDS_1_1 = 1, SIM_NEEDS_PALM = 2 };

@@ -26,8 +26,8 @@
     { path, SIM_POSE, input, LR, needs }
 #define POSES                                                                                      \
     POSE("/input/grip/pose", SIM_GRIP, 0), POSE("/input/aim/pose", SIM_AIM, 0),                    \
-        POSE("/input/grip_surface/pose", SIM_GRIP, SIM_NEEDS_1_1),                                 \
-        POSE("/input/palm_ext/pose", SIM_GRIP, SIM_NEEDS_PALM)
+        POSE("/input/grip_surface/pose", SIM_PALM, SIM_NEEDS_1_1),                                 \
+        POSE("/input/palm_ext/pose", SIM_PALM, SIM_NEEDS_PALM)
 #define HAPTIC(path)                                                                               \
     { path, SIM_HAPTIC, SIM_REST, LR, 0 }
 #define END                                                                                        \
