@@ -67,7 +67,7 @@ vec2 meet(uint way, Layer l, vec3 ray, out bool seen) {
 
 vec4 look(uint way, sampler2D image, Layer l, vec3 ray) {
     bool seen;
-    vec2 at = meet(way, l, ray, seen);
+    vec2 at = meet(way, l, ray, seen), right = dFdx(at), down = dFdy(at);
     if ((way & EDGES) != 0u) {
         seen = seen && all(greaterThanEqual(at, l.part.xy)) && all(lessThanEqual(at, l.part.zw));
         if (!seen && COUNT == 1u && !FIRST)
@@ -75,7 +75,8 @@ vec4 look(uint way, sampler2D image, Layer l, vec3 ray) {
     }
     if ((way & PART) != 0u)
         at = clamp(at, l.limit.xy, l.limit.zw);
-    vec4 c = layer_colour(way, textureLod(image, at, 0.0));
+    vec4 c = (way & MIPS) != 0u ? textureGrad(image, at, right, down) : textureLod(image, at, 0.0);
+    c = layer_colour(way, c);
     return (way & EDGES) != 0u && !seen ? vec4(0.0) : c;
 }
 

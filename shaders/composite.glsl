@@ -30,6 +30,7 @@ const uint UNPREMULTIPLIED = 8u; // colour is multiplied by alpha first
 const uint EDGES = 16u;          // some pixel of the scissor may miss the layer
 const uint CENTRED = 32u;        // a curved layer's middle is the eye, or it is infinitely far
 const uint BRIGHT = 64u;         // the image's values may lie beyond 0…1
+const uint MIPS = 512u;          // the image has smaller versions of itself
 const uint PART = 256u;          // of an image: what is beside it must not be mixed in
 
 // The layer's premultiplied colour, of what its image holds there.

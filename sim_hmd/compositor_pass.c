@@ -55,6 +55,10 @@ static enum ap_status create_sampler(struct ap_error *err, const struct ap_gpu *
     VkSamplerCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                 .magFilter = filter,
                                 .minFilter = filter,
+                                .mipmapMode = filter == VK_FILTER_LINEAR
+                                                  ? VK_SAMPLER_MIPMAP_MODE_LINEAR
+                                                  : VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                .maxLod = VK_LOD_CLAMP_NONE,
                                 .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                 .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                 .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};

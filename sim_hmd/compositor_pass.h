@@ -15,6 +15,7 @@ enum sim_way {
     SIM_WAY_CENTRED = 32,
     SIM_WAY_BRIGHT = 64, // the image's values may lie beyond 0…1
     SIM_WAY_CUBE = 128,
+    SIM_WAY_MIPS = 512, // a plane whose image has smaller versions of itself
     SIM_WAY_PART = 256, // of an image: what is beside it must not be mixed in
 };
 

@@ -27,6 +27,8 @@ static uint32_t way_of(const struct sim_layer *layer, int eye, const struct sim_
         [SIM_LAYER_CUBE] = SIM_WAY_CUBE,
     };
     uint32_t way = surfaces[layer->kind];
+    if (way == 0 && layer->view[eye].mips > 1)
+        way |= SIM_WAY_MIPS;
     if (layer->blend_alpha)
         way |= layer->unpremultiplied ? SIM_WAY_BLENDED | SIM_WAY_UNPREMULTIPLIED : SIM_WAY_BLENDED;
     if (!seen->all)

@@ -119,7 +119,8 @@ static enum ap_status view_layer(struct ap_error *err, const struct ap_gpu *gpu,
         .image = view->image,
         .viewType = cube ? VK_IMAGE_VIEW_TYPE_CUBE : VK_IMAGE_VIEW_TYPE_2D,
         .format = view->format,
-        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, view->array_layer, cube ? 6 : 1}};
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, view->mips > 1 ? view->mips : 1,
+                             view->array_layer, cube ? 6 : 1}};
     enum ap_status st = ap_vk_check(err, vkCreateImageView(gpu->device, &info, NULL, image_view),
                                     "vkCreateImageView");
     if (!st)

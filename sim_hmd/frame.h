@@ -36,6 +36,7 @@ struct sim_layer_view {
     VkFormat format;
     uint32_t width_px, height_px; // of the whole image
     uint32_t samples;             // 1, 2, 4…
+    uint32_t mips;                // 0 and 1: none but the whole image
     uint32_t array_layer;         // a cube's first of six
     XrRect2Di rect;               // inside the image; a cube's whole face
     // The layer's own space in STAGE: a projection's view, the pose of any other layer.

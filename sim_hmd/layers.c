@@ -54,6 +54,7 @@ static XrResult resolve_image(XrSwapchain handle, const struct sim_session *sess
     view->width_px = info->width;
     view->height_px = info->height;
     view->samples = info->sampleCount;
+    view->mips = info->mipCount;
     view->array_layer = index;
     view->rect = (XrRect2Di){{0, 0}, {(int32_t)info->width, (int32_t)info->height}};
     return XR_SUCCESS;

@@ -64,12 +64,13 @@ static void commands(VkCommandBuffer *cmd) {
 }
 
 static struct picture make(VkFormat format, uint32_t width, uint32_t height, uint32_t layers,
-                           uint32_t samples, bool cube) {
+                           uint32_t samples, uint32_t mips, bool cube) {
     struct picture p = {.format = format,
                         .width = width,
                         .height = height,
                         .layers = layers,
                         .samples = samples,
+                        .mips = mips,
                         .cube = cube};
     VkImageCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
@@ -77,7 +78,7 @@ static struct picture make(VkFormat format, uint32_t width, uint32_t height, uin
         .imageType = VK_IMAGE_TYPE_2D,
         .format = format,
         .extent = {width, height, 1},
-        .mipLevels = 1,
+        .mipLevels = mips,
         .arrayLayers = layers,
         .samples = (VkSampleCountFlagBits)samples,
         .tiling = VK_IMAGE_TILING_OPTIMAL,
@@ -98,22 +99,26 @@ static struct picture make(VkFormat format, uint32_t width, uint32_t height, uin
 
 struct picture make_picture(VkFormat format, uint32_t width, uint32_t height, uint32_t layers,
                             uint32_t samples) {
-    return make(format, width, height, layers, samples, false);
+    return make(format, width, height, layers, samples, 1, false);
 }
 
 struct picture make_cube(VkFormat format, uint32_t size, uint32_t count) {
-    return make(format, size, size, 6 * count, 1, true);
+    return make(format, size, size, 6 * count, 1, 1, true);
+}
+
+struct picture make_mips(VkFormat format, uint32_t width, uint32_t height, uint32_t mips) {
+    return make(format, width, height, 1, 1, mips, false);
 }
 
 void free_picture(struct picture *p) {
     ap_gpu_image_destroy(&gpu, &p->image);
 }
 
-void fill(const struct picture *p, const float color[4]) {
+void fill(const struct picture *p, uint32_t mip, const float color[4]) {
     VkCommandBuffer cmd;
     commands(&cmd);
     VkClearColorValue value = {.float32 = {color[0], color[1], color[2], color[3]}};
-    VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, p->layers};
+    VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, mip, 1, 0, p->layers};
     ap_gpu_barrier(cmd, p->image.image, VK_IMAGE_ASPECT_COLOR_BIT,
                    VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     vkCmdClearColorImage(cmd, p->image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &value, 1,
@@ -195,6 +200,7 @@ struct sim_layer_view whole(const struct picture *p, const struct sim_frame *f, 
                                    .width_px = p->width,
                                    .height_px = p->height,
                                    .samples = p->samples,
+                                   .mips = p->mips,
                                    .array_layer = p->layers > 1 && !p->cube ? (uint32_t)eye : 0,
                                    .rect = {{0, 0}, {(int32_t)p->width, (int32_t)p->height}},
                                    .stage_from_view = f->stage_from_eye[eye],

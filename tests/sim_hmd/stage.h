@@ -27,7 +27,7 @@ void validation_is_silent(void **state);
 struct picture {
     struct ap_gpu_image image;
     VkFormat format;
-    uint32_t width, height, layers, samples;
+    uint32_t width, height, layers, samples, mips;
     bool cube; // six layers
 };
 
@@ -35,12 +35,13 @@ struct picture {
 struct picture make_picture(VkFormat format, uint32_t width, uint32_t height, uint32_t layers,
                             uint32_t samples);
 struct picture make_cube(VkFormat format, uint32_t size, uint32_t count);
+struct picture make_mips(VkFormat format, uint32_t width, uint32_t height, uint32_t mips);
 void free_picture(struct picture *p);
 
 // Layers of `bytes_per_pixel`·width·height bytes. Does not wait for earlier work: the queue orders.
 void upload(const struct picture *p, const void *bytes, uint32_t bytes_per_pixel);
-// Every sample of every layer.
-void fill(const struct picture *p, const float color[4]);
+// Every sample of every layer of one mip.
+void fill(const struct picture *p, uint32_t mip, const float color[4]);
 
 uint8_t *noise(size_t n);
 // Colours that change slowly, so that a texel more or less does not decide.

@@ -267,7 +267,7 @@ static void multisampled(void **state) {
     static double linear[3 * W * H];
     struct picture p = make_picture(VK_FORMAT_R8G8B8A8_SRGB, W, H, 2, 4);
     const float color[4] = {0.5f, 0.25f, 0.75f, 1};
-    fill(&p, color);
+    fill(&p, 0, color);
     struct sim_compositor *c = create();
     struct sim_frame f = new_frame(1);
     add_layer(&f, &p);
