@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "src/device/timeline.h"
+#include "tests/device/memory_file.h"
 
 // The shared recordings through the drivers, against where the bytes were made from.
 
@@ -168,9 +169,9 @@ static void test_spacemouse(void **unused) {
     ap_poselog_close(log);
 }
 
-// Devices that report only rates wait for fusion; until then there is a sentence.
-static void check_refused(const char *name, const char *part) {
-    struct ap_poselog *log = open_log(shared("", name));
+static void check_refused(const char *text, const char *part) {
+    struct memory_file file = memory_text(text);
+    struct ap_poselog *log = open_log(file.path);
     struct ap_error err = {""};
     struct ap_sample s;
     bool got = false;
@@ -178,11 +179,13 @@ static void check_refused(const char *name, const char *part) {
     if (!strstr(err.text, part))
         fail_msg("'%s' lacks '%s'", err.text, part);
     ap_poselog_close(log);
+    close(file.fd);
 }
 
 static void test_no_driver(void **unused) {
     (void)unused;
-    check_refused("joycon_left_grey_real.hid", "no driver for 'Joy-Con (L)'");
+    check_refused("D: 0\nN: Some Wheel\nI: 3 1234 5678\nE: 000000.000000 2 01 80\n",
+                  "no driver for 'Some Wheel' (bus 3, 1234:5678)");
 }
 
 int main(void) {

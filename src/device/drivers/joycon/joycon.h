@@ -1,0 +1,43 @@
+#ifndef ANTIPODE_DEVICE_DRIVERS_JOYCON_H
+#define ANTIPODE_DEVICE_DRIVERS_JOYCON_H
+
+#include "src/device/hid/driver.h"
+
+// Nintendo's Joy-Cons and Pro Controller: three measurements, 5 ms apart, in a report.
+
+enum { AP_JOYCON_REPORT = 49, AP_JOYCON_MEASUREMENTS = 3 };
+
+enum ap_joycon_kind { AP_JOYCON_NONE, AP_JOYCON_LEFT, AP_JOYCON_RIGHT, AP_JOYCON_PRO };
+
+enum ap_joycon_kind ap_joycon_kind_of(const struct ap_device_info *info);
+
+// Measured = (raw − bias)·scale, in rad/s and m/s², by the device's own axes.
+struct ap_joycon_calibration {
+    double gyro_bias[3], gyro_scale[3], accel_scale[3];
+};
+
+struct ap_joycon_calibration ap_joycon_usual_calibration(void);
+
+struct ap_joycon_packet {
+    uint8_t timer; // ticks of 5 ms
+    struct {
+        struct ap_vec3 gyr_rad_s, acc_m_s2; // x right, y up, z back, as it is held pointing forward
+    } at[AP_JOYCON_MEASUREMENTS];           // the oldest first
+    uint32_t buttons;                       // bit 0: A, or the left one's right arrow
+    bool trigger;                           // ZL or ZR
+};
+
+// AP_REPORT_IGNORED: no full report.
+enum ap_report_verdict ap_joycon_parse(enum ap_joycon_kind kind,
+                                       const struct ap_joycon_calibration *calibration,
+                                       const uint8_t *bytes, size_t len,
+                                       struct ap_joycon_packet *packet);
+
+// Takes the maker's calibration from the answer to a reading of the flash; false where the report
+// is something else or makes no sense.
+bool ap_joycon_read_calibration(const uint8_t *bytes, size_t len,
+                                struct ap_joycon_calibration *calibration);
+
+extern const struct ap_driver ap_driver_joycon;
+
+#endif

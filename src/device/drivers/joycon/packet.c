@@ -1,0 +1,75 @@
+#include "src/device/drivers/joycon/joycon.h"
+
+#include "src/device/drivers/bytes.h"
+
+enum { FULL = 0x30, ANSWER = 0x21, READ_FLASH = 0x10, CALIBRATION_AT = 0x6020, CALIBRATION = 24 };
+
+static const double DEGREE = 3.14159265358979323846 / 180, GRAVITY = 9.80665;
+
+enum ap_joycon_kind ap_joycon_kind_of(const struct ap_device_info *info) {
+    if (info->vendor != 0x057e)
+        return AP_JOYCON_NONE;
+    return info->product == 0x2006   ? AP_JOYCON_LEFT
+           : info->product == 0x2007 ? AP_JOYCON_RIGHT
+           : info->product == 0x2009 ? AP_JOYCON_PRO
+                                     : AP_JOYCON_NONE;
+}
+
+struct ap_joycon_calibration ap_joycon_usual_calibration(void) {
+    const double gyro = 0.070 * DEGREE, accel = GRAVITY / 4096;
+    return (struct ap_joycon_calibration){{0, 0, 0}, {gyro, gyro, gyro}, {accel, accel, accel}};
+}
+
+// The sensor's x points to the triggers, y left and z out of the buttons; the right one lies the
+// other way round.
+static struct ap_vec3 turned(enum ap_joycon_kind kind, double x, double y, double z) {
+    double side = kind == AP_JOYCON_RIGHT ? -1 : 1;
+    return (struct ap_vec3){-side * y, side * z, -x};
+}
+
+enum ap_report_verdict ap_joycon_parse(enum ap_joycon_kind kind,
+                                       const struct ap_joycon_calibration *c, const uint8_t *bytes,
+                                       size_t len, struct ap_joycon_packet *packet) {
+    if (len < 1)
+        return AP_REPORT_BAD;
+    if (bytes[0] != FULL)
+        return AP_REPORT_IGNORED;
+    if (len < AP_JOYCON_REPORT)
+        return AP_REPORT_BAD;
+    packet->timer = bytes[1];
+    for (int i = 0; i < AP_JOYCON_MEASUREMENTS; i++) {
+        double a[3], w[3];
+        for (int k = 0; k < 3; k++) {
+            const uint8_t *b = bytes + 13 + 12 * i + 2 * k;
+            a[k] = ap_i16le(b) * c->accel_scale[k];
+            w[k] = (ap_i16le(b + 6) - c->gyro_bias[k]) * c->gyro_scale[k];
+        }
+        packet->at[i].acc_m_s2 = turned(kind, a[0], a[1], a[2]);
+        packet->at[i].gyr_rad_s = turned(kind, w[0], w[1], w[2]);
+    }
+    uint32_t all = bytes[3] | (uint32_t)bytes[4] << 8 | (uint32_t)bytes[5] << 16;
+    bool first = (kind == AP_JOYCON_LEFT ? bytes[5] >> 2 : bytes[3] >> 3) & 1;
+    packet->buttons = first | all << 1;
+    packet->trigger = (bytes[3] | bytes[5]) & 0x80;
+    return AP_REPORT_OK;
+}
+
+bool ap_joycon_read_calibration(const uint8_t *bytes, size_t len,
+                                struct ap_joycon_calibration *calibration) {
+    if (len < 20 + CALIBRATION || bytes[0] != ANSWER || bytes[14] != READ_FLASH ||
+        ap_u32le(bytes + 15) != CALIBRATION_AT || bytes[19] < CALIBRATION)
+        return false;
+    const uint8_t *b = bytes + 20; // offsets and scales of the forces, then of the rates
+    struct ap_joycon_calibration c;
+    for (int k = 0; k < 3; k++) {
+        double accel = ap_i16le(b + 6 + 2 * k) - ap_i16le(b + 2 * k);
+        double bias = ap_i16le(b + 12 + 2 * k), gyro = ap_i16le(b + 18 + 2 * k) - bias;
+        if (!(accel > 0 && gyro > 0))
+            return false;
+        c.accel_scale[k] = 4 * GRAVITY / accel;
+        c.gyro_bias[k] = bias;
+        c.gyro_scale[k] = 936 * DEGREE / gyro;
+    }
+    *calibration = c;
+    return true;
+}
