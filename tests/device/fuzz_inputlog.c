@@ -48,6 +48,9 @@ int main(int argc, char **argv) {
         "1500000000,right,/input/thumbstick,0.5,-0.2\n1500000001,right,/input/a/click,1\r\n",
         "-1,gamepad,/input/dpad_up/click,1\n4,head,/input/system/click,0\n"
         "4,treadmill,/input/x,1e-3\n",
+        "{\"schema\":[[0,{\"handedness\":\"right\",\"hasGamepad\":true,\"numButtons\":5,"
+        "\"numAxes\":4}],[1,{}]],\"frames\":[[5,0,0,0,0,0,0,1,[0,0,0,0,0,0,0,1,[[0,1,0.5],[0,0,0],"
+        "null,[1,1,1],[1,0,1],0,0,0.5,-1]]],[6.1,0,0,0,0,0,0,1,[1,0,0,0,0,0,0,1]]]}",
         "\xef\xbb\xbf\r\n", ""};
     static const char *const words[] = {"\n",      "\r\n",  ",",
                                         "/",       "#",     "nan",

@@ -85,6 +85,64 @@ static void many_rows_are_found_again(void **state) {
     free(text);
 }
 
+// WebXR's recorder: a source that has no pad, one that goes and comes, sticks down positive.
+static const char iwer[] =
+    "{\"schema\": [[0, {\"handedness\": \"left\", \"hasGamepad\": true, \"numButtons\": 6,"
+    " \"numAxes\": 4}], [1, {\"handedness\": \"right\", \"hasGamepad\": true, \"numButtons\": 6,"
+    " \"numAxes\": 4}], [2, {\"handedness\": \"left\"}]], \"frames\": ["
+    "[100.5, 0,0,0, 0,0,0,1, [0, 0,0,0, 0,0,0,1, [[0,1,0.25],[0,0,0],null,[0,1,0],[1,1,1],[0,0,0],"
+    " 0,0,0.5,0.25]]],"
+    "[110.6, 0,0,0, 0,0,0,1, [1, 0,0,0, 0,0,0,1, [[1,1,1],[0,0,0.5],null,[0,0,0],[0,0,0],[1,1,1],"
+    " 0,0,0,0]], [2, 0,0,0, 0,0,0,1]],"
+    "[120.6, 0,0,0, 0,0,0,1, [0, 0,0,0, 0,0,0,1, [[0,0,0],[0,0,0],null,[0,1,0],[1,1,1],[0,0,0],"
+    " 0,0,0,0]]]]}";
+
+static void webxr_recordings_are_input_logs(void **state) {
+    (void)state;
+    struct ap_inputlog *log = load(iwer, NULL);
+    is(log, "left", "/input/trigger/value", 0, 0.25, 0);
+    is(log, "left", "/input/trigger/value", 20099999, 0.25, 0);
+    is(log, "left", "/input/trigger/value", 20100000, 0, 0);
+    is(log, "left", "/input/thumbstick", 0, 0.5, -0.25);
+    is(log, "left", "/input/x/click", 20100000, 1, 0);
+    is(log, "right", "/input/trigger/value", 10100000, 1, 0);
+    is(log, "right", "/input/squeeze/value", 10100000, 0.5, 0);
+    is(log, "right", "/input/b/click", 10100000, 1, 0);
+    is(log, "right", "/input/a/click", 10100000, 0, 0);
+    float v[2];
+    assert_false(
+        ap_inputlog_at(log, ap_inputlog_find(log, "right", "/input/b/click"), 10099999, v));
+    assert_int_equal(ap_inputlog_find(log, "left", "/input/trackpad/click"), -1); // null
+    ap_inputlog_destroy(log);
+}
+
+// A Quest 3, 29 s with the controllers laid away in between.
+static void a_real_recording_is_read(void **state) {
+    (void)state;
+    const char *shared = getenv("ANTIPODE_SHARED");
+    char path[4096];
+    snprintf(path, sizeof path, "%s/data/poses/quest3_iwer.json", shared ? shared : "");
+    if (!shared || access(path, R_OK) != 0) {
+        print_message("no recording: ANTIPODE_SHARED is not set\n");
+        skip();
+    }
+    const char *paths[] = {path};
+    struct ap_error err;
+    struct ap_inputlog *log = NULL;
+    if (ap_inputlog_load(&err, paths, 1, &log))
+        fail_msg("%s", err.text);
+    static const struct {
+        const char *device, *path;
+        int64_t first_ns;
+    } presses[] = {{"right", "/input/b/click", 1187600000},
+                   {"right", "/input/a/click", 2132500000}};
+    for (size_t i = 0; i < sizeof presses / sizeof *presses; i++) {
+        is(log, presses[i].device, presses[i].path, presses[i].first_ns - 1, 0, 0);
+        is(log, presses[i].device, presses[i].path, presses[i].first_ns, 1, 0);
+    }
+    ap_inputlog_destroy(log);
+}
+
 static void bad_lines_are_named(void **state) {
     (void)state;
     static const struct {
@@ -163,6 +221,8 @@ int main(void) {
         cmocka_unit_test(values_hold_until_they_change),
         cmocka_unit_test(files_are_merged_by_time_and_the_later_wins),
         cmocka_unit_test(many_rows_are_found_again),
+        cmocka_unit_test(webxr_recordings_are_input_logs),
+        cmocka_unit_test(a_real_recording_is_read),
         cmocka_unit_test(bad_lines_are_named),
         cmocka_unit_test(limits_hold),
     };
