@@ -30,8 +30,6 @@ enum ap_status sim_session_capture_frame(struct ap_error *err, struct sim_sessio
     struct sim_located head = sim_head_in_stage(session, frame->display_time);
     struct sim_logged_frame logged = {.predicted = &session->begun_frame,
                                       .ended_ns = sim_pacer_now(&session->pacer, ap_clock_now_ns()),
-                                      .missed = session->missed,
-                                      .discarded = session->discarded,
                                       .head_state = head.state,
                                       .stage_from_head = head.pose,
                                       .info = info,

@@ -227,7 +227,7 @@ void sim_line_write(struct sim_line *line, const struct sim_settings *settings,
     put(line, "{");
     put_times(line, settings, l);
     put(line, ",\"missed\":%" PRId64 ",\"discarded\":%" PRId64 ",\"head\":{\"tracking\":\"%s\",",
-        l->missed, l->discarded, tracking(l->head_state));
+        l->frame->missed, l->frame->discarded, tracking(l->head_state));
     put_pose(line, "pose", l->stage_from_head);
     put(line, "},\"eyes\":[");
     for (int eye = 0; eye < 2; eye++) {

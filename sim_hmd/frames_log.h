@@ -21,7 +21,6 @@ enum ap_status sim_frames_log_create(struct ap_error *err, const struct sim_sett
 struct sim_logged_frame {
     const struct sim_prediction *predicted;
     int64_t ended_ns;
-    int64_t missed, discarded; // since the session began
     enum ap_pose_state head_state;
     struct ap_pose stage_from_head;
     const XrFrameEndInfo *info; // verified
