@@ -13,7 +13,8 @@
 
 struct ap_sim_options {
     const char *headset; // NULL: standard
-    struct ap_text_list poses, inputs;
+    struct ap_text_list poses, inputs, recentre_s;
+    const char *hands; // NULL: none recorded
     struct ap_log_options logs;
     const char *clock;
     double refresh_hz; // NAN: the profile's
@@ -22,7 +23,7 @@ struct ap_sim_options {
     const char *format, *log; // NULL: not given
     bool layers, lens, force, draw_all, window, strict;
     const char *controllers; // NULL: the runtime's choice
-    double timeout_s; // NAN: none
+    double timeout_s;        // NAN: none
     bool hold_stdin;
 };
 

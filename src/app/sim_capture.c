@@ -14,8 +14,8 @@ static bool is_picture(const char *name) {
 
 static bool is_ours(const char *name) {
     return is_picture(name) || strcmp(name, "frames.jsonl") == 0 ||
-           strcmp(name, "frames.jsonl.part") == 0 || strcmp(name, "strict.jsonl") == 0 ||
-           strcmp(name, "sim.json") == 0;
+           strcmp(name, "frames.jsonl.part") == 0 || strcmp(name, "frames.jsonl.part") == 0 ||
+           strcmp(name, "strict.jsonl") == 0 || strcmp(name, "sim.json") == 0;
 }
 
 // How many such files the folder has; 0 where there is no folder.

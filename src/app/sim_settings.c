@@ -10,6 +10,7 @@
 #include "src/app/runtime.h"
 #include "src/app/sim.h"
 #include "src/base/file.h"
+#include "src/base/number.h"
 #include "src/base/range.h"
 #include "src/device/headset.h"
 #include "src/device/inputlog.h"
@@ -73,6 +74,19 @@ static enum ap_status check_logs(struct ap_error *err, const struct ap_sim_optio
     return st;
 }
 
+static bool parse_seconds(const char *text, double *s) {
+    return ap_parse_double(text, strlen(text), s) && *s >= 0;
+}
+
+static enum ap_status check_recentre(struct ap_error *err, const struct ap_text_list *list) {
+    double before = -1, s;
+    for (size_t i = 0; i < list->count; i++, before = s)
+        if (!parse_seconds(list->text[i], &s) || s <= before)
+            return ap_fail(err, AP_USAGE, "--recentre: expected rising seconds, not '%s'",
+                           list->text[i]);
+    return AP_OK;
+}
+
 static enum ap_status check_numbers(struct ap_error *err, const struct ap_sim_options *o) {
     if (!isnan(o->frames) &&
         !(o->frames >= 1 && o->frames <= 1e15 && o->frames == floor(o->frames)))
@@ -83,7 +97,7 @@ static enum ap_status check_numbers(struct ap_error *err, const struct ap_sim_op
                        o->refresh_hz);
     if (!isnan(o->timeout_s) && !(o->timeout_s > 0))
         return ap_fail(err, AP_USAGE, "--timeout: expected seconds > 0, not %g", o->timeout_s);
-    return AP_OK;
+    return check_recentre(err, &o->recentre_s);
 }
 
 static bool wants_capture(const struct ap_sim_options *o) {
@@ -102,6 +116,8 @@ enum ap_status ap_sim_check(struct ap_error *err, const struct ap_sim_options *o
         st = ap_range_parse(err, o->capture_frames, &range);
     if (!st && o->logs.table_at)
         st = ap_table_at_parse(err, o->logs.table_at, &x, &z, &yaw);
+    if (!st && o->hands && !ap_file_exists(o->hands))
+        st = ap_fail(err, AP_INPUT, "%s: cannot open: %s", o->hands, strerror(errno));
     if (!st)
         st = check_headset(err, o->headset);
     return st ? st : check_logs(err, o);
@@ -170,6 +186,19 @@ static json_t *inputs_json(const struct ap_sim_options *o) {
     return list;
 }
 
+static json_t *recentre_json(const struct ap_sim_options *o) {
+    json_t *list = json_array();
+    for (size_t i = 0; list && i < o->recentre_s.count; i++) {
+        double s = 0;
+        parse_seconds(o->recentre_s.text[i], &s);
+        if (json_array_append_new(list, json_real(s)) != 0) {
+            json_decref(list);
+            return NULL;
+        }
+    }
+    return list;
+}
+
 // The settings lie in the folder itself.
 static json_t *capture_json(const struct ap_sim_options *o) {
     json_t *capture = json_pack("{s:s}", "dir", ".");
@@ -197,6 +226,10 @@ static json_t *settings_json(const struct ap_sim_options *o, const char *strict_
     bool ok = set(root, "poses", poses_json(o));
     if (o->headset)
         ok = ok && set(root, "headset", headset_json(o->headset));
+    if (o->hands)
+        ok = ok && set(root, "hands", path_json("", 0, o->hands));
+    if (o->recentre_s.count)
+        ok = ok && set(root, "recentre_s", recentre_json(o));
     if (o->controllers)
         ok = ok &&
              set(root, "controllers",

@@ -65,6 +65,16 @@ states oculus/touch_controller "--poses $work/head.csv --input $work/zero.csv" \
 grep -q 'zero.csv: all of it lies before the first head pose' "$work/stderr" ||
 	fail "no warning about the clock: $(cat "$work/stderr")"
 
+# A gamepad is there where a log names it.
+printf '0,gamepad,/input/b/click,1\n100000000,gamepad,/input/thumbstick_left,0.5,0.25\n' \
+	>"$work/pad.csv"
+states microsoft/xbox_controller "--frames 2 --input $work/pad.csv" b:/user/gamepad/input/b/click \
+	v:/user/gamepad/input/thumbstick_left
+is /user/gamepad/input/b/click '1 1;1 1;'
+is /user/gamepad/input/thumbstick_left '1 0 0;1 0.5 0.25;'
+states microsoft/xbox_controller "--frames 1" b:/user/gamepad/input/b/click
+is /user/gamepad/input/b/click '0 0;'
+
 # --strict: what breaks the specification makes 1 of 0, and no report is no praise.
 strict="$antipode sim --clock virtual --frames 5 --timeout 60 --strict"
 profile=/interaction_profiles/khr/simple_controller

@@ -9,6 +9,8 @@ expect 2 'unknown option --nonsense' $sim --nonsense -- true
 expect 2 '--frames: expected a whole number' $sim --frames 0.5 -- true
 expect 2 '--refresh: expected a rate' $sim --refresh 0 -- true
 expect 2 '--timeout: expected seconds > 0' $sim --timeout -1 -- true
+expect 2 '--recentre: expected rising seconds' $sim --recentre 2 --recentre 1 -- true
+expect 3 'no/such/hands' $sim --hands no/such/hands -- true
 expect 2 'need --capture DIR' $sim --layers -- true
 expect 2 "'7' is no range" $sim --capture "$work/c" --capture-frames 7 -- true
 expect 2 'standard input is the program' $sim --poses head=- -- true
@@ -62,10 +64,12 @@ cat >"$work/show" <<'END'
 cd / && cat "$ANTIPODE_SIM" && ls "$XR_RUNTIME_JSON" && echo "$ANTIPODE_SIM"
 END
 (cd "$work" && $sim --poses head=head.csv --input keys.csv --clock virtual --refresh 50 --frames 9 \
-	--up z --skip-bad --table-at 1,2,0.5 --window --headset ci -- sh "$work/show" >shown)
+	--up z --skip-bad --table-at 1,2,0.5 --window --headset ci --hands head.csv \
+	--recentre 1 --recentre 2.5 --draw-all --controllers htc/vive_controller -- sh "$work/show" >shown)
 for word in '"clock": "virtual"' "\"head=$work/head.csv\"" "\"$work/keys.csv\"" '"refresh_hz": 50.0' \
 	'"frames": 9' '"up": "z"' '"skip_bad": true' '"window": true' 'headsets/ci.json"' \
-	'openxr_antipode.json'; do
+	'openxr_antipode.json' "\"hands\": \"$work/head.csv\"" '2.5' '"draw": "all"' \
+	'"/interaction_profiles/htc/vive_controller"'; do
 	grep -qF -- "$word" "$work/shown" || fail "the settings lack $word: $(cat "$work/shown")"
 done
 [ ! -e "$(tail -n 1 "$work/shown")" ] || fail "the temporary settings were left behind"
