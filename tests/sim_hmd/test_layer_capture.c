@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -618,6 +619,54 @@ static void samples_and_quads(void **state) {
     free(text);
 }
 
+static XrResult try_frame(struct program *p, const struct screen *s) {
+    XrFrameState f = {.type = XR_TYPE_FRAME_STATE};
+    XrResult result = xrWaitFrame(p->c.session, NULL, &f);
+    if (result == XR_SUCCESS)
+        result = xrBeginFrame(p->c.session, NULL);
+    if (result != XR_SUCCESS)
+        return result;
+    struct layer l;
+    make_layer(p, s, f.predictedDisplayTime, whole, 0, &l);
+    const XrCompositionLayerBaseHeader *list = (const XrCompositionLayerBaseHeader *)&l.projection;
+    XrFrameEndInfo end = {.type = XR_TYPE_FRAME_END_INFO,
+                          .displayTime = f.predictedDisplayTime,
+                          .environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE,
+                          .layerCount = 1,
+                          .layers = &list};
+    return xrEndFrame(p->c.session, &end);
+}
+
+// A file-size limit stands for the full disk: for the log, then for the pictures.
+static void a_full_disk_loses_the_session(void **state) {
+    (void)state;
+    static const char *const more[] = {
+        ", \"log\": \"all\", \"composed\": false, \"frames\": \"0:1\"",
+        ", \"layers\": true, \"composed\": false, \"format\": \"raw\""};
+    signal(SIGXFSZ, SIG_IGN);
+    for (int k = 0; k < 2; k++) {
+        struct program p;
+        char dir[16];
+        snprintf(dir, sizeof dir, "full%d", k);
+        make_program(&p, dir, more[k], "");
+        struct screen s = make_screen(&p, VK_FORMAT_R8G8B8A8_SRGB);
+        draw(&p, &s, 0);
+        XrResult result = try_frame(&p, &s);
+        struct rlimit old, small;
+        getrlimit(RLIMIT_FSIZE, &old);
+        small = old;
+        small.rlim_cur = k ? 12000 : 9000; // a raw picture has 12288 bytes and a header
+        setrlimit(RLIMIT_FSIZE, &small);
+        for (int i = 0; i < 300 && result == XR_SUCCESS; i++)
+            result = try_frame(&p, &s);
+        setrlimit(RLIMIT_FSIZE, &old);
+        XR_IS(XR_ERROR_SESSION_LOST, result);
+        end_program(&p);
+        assert_false(exists(dir, "frames.jsonl"));
+        assert_false(exists(dir, "frames.jsonl.part"));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_killed_program_leaves_its_lines),
@@ -627,6 +676,7 @@ int main(void) {
         cmocka_unit_test_teardown(two_runs_leave_the_same_bytes, client_teardown),
         cmocka_unit_test_teardown(through_the_lens, client_teardown),
         cmocka_unit_test_teardown(samples_and_quads, client_teardown),
+        cmocka_unit_test_teardown(a_full_disk_loses_the_session, client_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
