@@ -20,12 +20,13 @@ static XrResult kind_of(XrVisibilityMaskTypeKHR type, enum ap_mask_kind *kind) {
 }
 
 static XrResult fill(const struct ap_mask *mask, XrVisibilityMaskKHR *out) {
-    if ((out->vertexCapacityInput && !out->vertices) || (out->indexCapacityInput && !out->indices))
-        return XR_ERROR_VALIDATION_FAILURE;
     out->vertexCountOutput = mask->vertex_count;
     out->indexCountOutput = mask->index_count;
-    if (!out->vertexCapacityInput && !out->indexCapacityInput)
+    // A capacity of zero asks for both counts, whatever the other is.
+    if (!out->vertexCapacityInput || !out->indexCapacityInput)
         return XR_SUCCESS;
+    if (!out->vertices || !out->indices)
+        return XR_ERROR_VALIDATION_FAILURE;
     if (out->vertexCapacityInput < mask->vertex_count ||
         out->indexCapacityInput < mask->index_count)
         return XR_ERROR_SIZE_INSUFFICIENT;

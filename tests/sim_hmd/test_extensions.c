@@ -261,6 +261,7 @@ static void visibility_mask_is_the_profiles(void **state) {
         assert_true(mask.vertexCountOutput > 3 && mask.indexCountOutput > 3);
         mask.vertices = vertices;
         mask.vertexCapacityInput = 256;
+        XR_OK(xrGetVisibilityMaskKHR_(c.session, stereo, 1, t, &mask)); // asks for both counts
         mask.indices = indices;
         mask.indexCapacityInput = mask.indexCountOutput - 1;
         XR_IS(XR_ERROR_SIZE_INSUFFICIENT, xrGetVisibilityMaskKHR_(c.session, stereo, 1, t, &mask));
