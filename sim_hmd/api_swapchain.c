@@ -1,6 +1,7 @@
 #include <stdlib.h>
 
 #include "sim_hmd/runtime.h"
+#include "sim_hmd/strict.h"
 #include "src/base/log.h"
 
 // Swapchains: images on the program's device. The compositor is done with an image before
@@ -81,6 +82,20 @@ static XrResult check_format_list(const struct sim_session *session,
     return XR_SUCCESS;
 }
 
+static XrResult check_counts(const XrSwapchainCreateInfo *info) {
+    bool some = info->width && info->height && info->arraySize && info->mipCount;
+    if (some && info->arraySize <= UINT32_MAX / 6 && power_of_two(info->sampleCount) &&
+        (info->faceCount == 1 || (info->faceCount == 6 && info->width == info->height)) &&
+        info->mipCount <= most_mips(info->width, info->height))
+        return XR_SUCCESS;
+    return sim_strict(XR_ERROR_VALIDATION_FAILURE, "xrCreateSwapchain",
+                      "XrSwapchainCreateInfo: sizes and counts are at least 1, faceCount is 1 or 6 "
+                      "and then square, sampleCount is 1, 2, 4..., mipCount no more than there are",
+                      "%u by %u, %u layers, %u faces, %u mips, %u samples", info->width,
+                      info->height, info->arraySize, info->faceCount, info->mipCount,
+                      info->sampleCount);
+}
+
 static XrResult check_info(const struct sim_session *session, const XrSwapchainCreateInfo *info) {
     if (!sim_is(info, XR_TYPE_SWAPCHAIN_CREATE_INFO) || info->createFlags & ~known_flags ||
         info->usageFlags & ~known_usage)
@@ -90,13 +105,7 @@ static XrResult check_info(const struct sim_session *session, const XrSwapchainC
         listed |= session->formats[i] == info->format;
     if (!listed)
         return XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED;
-    if (!info->width || !info->height || !info->arraySize || info->arraySize > UINT32_MAX / 6 ||
-        !info->mipCount || !power_of_two(info->sampleCount) ||
-        (info->faceCount != 1 && info->faceCount != 6))
-        return XR_ERROR_VALIDATION_FAILURE;
-    if (info->mipCount > most_mips(info->width, info->height))
-        return XR_ERROR_VALIDATION_FAILURE;
-    if (info->faceCount == 6 && info->width != info->height)
+    if (check_counts(info) != XR_SUCCESS)
         return XR_ERROR_VALIDATION_FAILURE;
     if (info->createFlags & XR_SWAPCHAIN_CREATE_PROTECTED_CONTENT_BIT)
         return XR_ERROR_FEATURE_UNSUPPORTED;

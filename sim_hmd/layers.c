@@ -1,6 +1,7 @@
 #include <math.h>
 
 #include "sim_hmd/runtime.h"
+#include "sim_hmd/strict.h"
 
 static const double TURN = 6.28318530717958647692; // 2π
 
@@ -48,7 +49,10 @@ static XrResult resolve_image(XrSwapchain handle, const struct sim_session *sess
     if (swapchain->session != session || swapchain->depth != depth || swapchain->released < 0)
         return XR_ERROR_LAYER_INVALID;
     if (info->faceCount != faces || index >= info->arraySize)
-        return XR_ERROR_VALIDATION_FAILURE;
+        return sim_strict(
+            XR_ERROR_VALIDATION_FAILURE, "xrEndFrame",
+            "XrSwapchainSubImage: imageArrayIndex is below arraySize; cubes for cubes",
+            "index %u of %u, %u faces", index, info->arraySize, info->faceCount);
     view->image = swapchain->image[swapchain->released].image;
     view->format = (VkFormat)info->format;
     view->width_px = info->width;
@@ -100,7 +104,12 @@ static XrResult check_depth(struct sim_session *session,
     // The comparisons are false for NaN.
     bool range = depth->minDepth >= 0 && depth->minDepth < depth->maxDepth && depth->maxDepth <= 1;
     if (!range || !(depth->nearZ > 0) || !(depth->farZ > 0) || depth->nearZ == depth->farZ)
-        return XR_ERROR_VALIDATION_FAILURE;
+        return sim_strict(
+            XR_ERROR_VALIDATION_FAILURE, "xrEndFrame",
+            "XrCompositionLayerDepthInfoKHR: 0 <= minDepth < maxDepth <= 1, nearZ and "
+            "farZ positive and different",
+            "minDepth %g, maxDepth %g, nearZ %g, farZ %g", (double)depth->minDepth,
+            (double)depth->maxDepth, (double)depth->nearZ, (double)depth->farZ);
     return XR_SUCCESS;
 }
 
@@ -126,7 +135,9 @@ static XrResult resolve_view(struct sim_session *session, const struct sim_frame
 static XrResult resolve_projection(const struct in *in, struct sim_layer *out) {
     const XrCompositionLayerProjection *layer = (const XrCompositionLayerProjection *)in->layer;
     if (layer->viewCount != 2 || !layer->views)
-        return XR_ERROR_VALIDATION_FAILURE;
+        return sim_strict(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame",
+                          "XrCompositionLayerProjection: viewCount is the view configuration's, 2",
+                          "viewCount is %u", layer->viewCount);
     out->kind = SIM_LAYER_PROJECTION;
     for (int eye = 0; eye < 2; eye++) {
         XrResult result = resolve_view(in->session, in->frame, eye, in->stage_from_space,
@@ -176,7 +187,9 @@ static XrResult resolve_quad(const struct in *in, struct sim_layer *out) {
     XrExtent2Df size = quad->size;
     if (!(size.width >= 0) || !(size.height >= 0) || !isfinite(size.width) ||
         !isfinite(size.height))
-        return XR_ERROR_VALIDATION_FAILURE;
+        return sim_strict(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame",
+                          "XrCompositionLayerQuad: size is not negative", "%g by %g",
+                          (double)size.width, (double)size.height);
     out->kind = SIM_LAYER_QUAD;
     out->width_m = (double)size.width;
     out->height_m = (double)size.height;
@@ -187,7 +200,11 @@ static XrResult resolve_cylinder(const struct in *in, struct sim_layer *out) {
     const XrCompositionLayerCylinderKHR *c = (const XrCompositionLayerCylinderKHR *)in->layer;
     if (!resolve_radius(c->radius, out) || !within(c->centralAngle, 0, TURN) ||
         !(c->aspectRatio > 0) || !isfinite(c->aspectRatio))
-        return XR_ERROR_VALIDATION_FAILURE;
+        return sim_strict(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame",
+                          "XrCompositionLayerCylinderKHR: radius >= 0, centralAngle in [0, 2pi), "
+                          "aspectRatio > 0",
+                          "radius %g, centralAngle %g, aspectRatio %g", (double)c->radius,
+                          (double)c->centralAngle, (double)c->aspectRatio);
     out->kind = SIM_LAYER_CYLINDER;
     out->central_rad = (double)c->centralAngle;
     out->height_radii = out->central_rad / (double)c->aspectRatio;
@@ -218,7 +235,12 @@ static XrResult resolve_equirect2(const struct in *in, struct sim_layer *out) {
     if (!resolve_radius(e->radius, out) || !within(e->centralHorizontalAngle, 0, TURN) ||
         !within(e->upperVerticalAngle, -0.25 * TURN, 0.25 * TURN) ||
         !within(e->lowerVerticalAngle, -0.25 * TURN, 0.25 * TURN))
-        return XR_ERROR_VALIDATION_FAILURE;
+        return sim_strict(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame",
+                          "XrCompositionLayerEquirect2KHR: radius >= 0, centralHorizontalAngle in "
+                          "[0, 2pi], vertical angles in [-pi/2, pi/2]",
+                          "radius %g, angles %g, %g, %g", (double)e->radius,
+                          (double)e->centralHorizontalAngle, (double)e->upperVerticalAngle,
+                          (double)e->lowerVerticalAngle);
     out->kind = SIM_LAYER_EQUIRECT;
     out->central_rad = (double)e->centralHorizontalAngle;
     out->upper_rad = (double)e->upperVerticalAngle;

@@ -91,6 +91,9 @@ static XrResult after(struct sim_strict_call *call, XrResult result);
         return after(&call, ((PFN_##f)call_##f.real)(a, b, c, d, e, f));                           \
     }
 
+// One function by two names.
+typedef PFN_xrLocateSpaces PFN_xrLocateSpacesKHR;
+
 // clang-format off
 #include "sim_hmd/strict/functions.inc"
 // clang-format on

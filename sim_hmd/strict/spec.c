@@ -494,6 +494,16 @@ SPEC(XrHapticVibration, XR_TYPE_HAPTIC_VIBRATION, NULL, members_XrHapticVibratio
 
 SPEC(XrSpaceVelocity, XR_TYPE_SPACE_VELOCITY, "XrSpaceLocation", no_members)
 
+MEMBERS(XrSpacesLocateInfo) = {
+    HANDLE(XrSpacesLocateInfo, baseSpace, SPACE, 0),
+    TIME(XrSpacesLocateInfo, time),
+    HANDLES(XrSpacesLocateInfo, spaces, spaceCount, SPACE, 0),
+    END,
+};
+SPEC(XrSpacesLocateInfo, XR_TYPE_SPACES_LOCATE_INFO, NULL, members_XrSpacesLocateInfo)
+SPEC(XrSpaceLocations, XR_TYPE_SPACE_LOCATIONS, NULL, no_members)
+SPEC(XrSpaceVelocities, XR_TYPE_SPACE_VELOCITIES, "XrSpaceLocations", no_members)
+
 static const struct sim_spec *const specs[] = {
     &sim_spec_XrApiLayerProperties,
     &sim_spec_XrExtensionProperties,
@@ -572,6 +582,9 @@ static const struct sim_spec *const specs[] = {
     &sim_spec_XrCompositionLayerQuad,
     &sim_spec_XrHapticVibration,
     &sim_spec_XrSpaceVelocity,
+    &sim_spec_XrSpacesLocateInfo,
+    &sim_spec_XrSpaceLocations,
+    &sim_spec_XrSpaceVelocities,
 };
 
 const struct sim_spec *sim_spec_find(XrStructureType type) {

@@ -93,6 +93,9 @@ extern const struct sim_spec sim_spec_XrCompositionLayerProjection;
 extern const struct sim_spec sim_spec_XrCompositionLayerQuad;
 extern const struct sim_spec sim_spec_XrHapticVibration;
 extern const struct sim_spec sim_spec_XrSpaceVelocity;
+extern const struct sim_spec sim_spec_XrSpacesLocateInfo;
+extern const struct sim_spec sim_spec_XrSpaceLocations;
+extern const struct sim_spec sim_spec_XrSpaceVelocities;
 
 // What programs hand over as a base header is one of these here.
 #define sim_spec_XrHapticBaseHeader sim_spec_XrHapticVibration

@@ -596,7 +596,7 @@ static void swapchains_are_told(void **unused) {
     int64_t formats[32];
     XR_OK(RT(xrEnumerateSwapchainFormats)(c->session, 32, &n, formats));
     info.format = formats[0];
-    CREATED(XR_ERROR_VALIDATION_FAILURE, "XR_ERROR_VALIDATION_FAILURE: Valid Usage");
+    CREATED(XR_ERROR_VALIDATION_FAILURE, "XrSwapchainCreateInfo: sizes and counts");
     WRONG(XR_ERROR_HANDLE_INVALID, RT(xrDestroySwapchain)((XrSwapchain)c->session),
           "xrDestroySwapchain", "VUID-xrDestroySwapchain-swapchain-parameter");
     stop(c);
