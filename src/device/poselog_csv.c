@@ -20,12 +20,14 @@ enum csv_role {
     ROLE_TRIGGER = ROLE_REQUIRED,
     ROLE_SQUEEZE,
     ROLE_SELECT,
+    ROLE_RESET,
     ROLE_COUNT,
     ROLE_OTHER = ROLE_COUNT,
 };
 
-static const char *const role_names[ROLE_COUNT] = {
-    "t_ns", "device", "px", "py", "pz", "qx", "qy", "qz", "qw", "trigger", "squeeze", "select"};
+static const char *const role_names[ROLE_COUNT] = {"t_ns",    "device", "px",   "py", "pz",
+                                                   "qx",      "qy",     "qz",   "qw", "trigger",
+                                                   "squeeze", "select", "reset"};
 
 static bool is_word(struct ap_field f, const char *word) {
     return f.len == strlen(word) && memcmp(f.text, word, f.len) == 0;
@@ -80,10 +82,10 @@ static bool parse_fraction(const char *line, struct ap_field f, const char *name
     return true;
 }
 
-static bool parse_select(const char *line, struct ap_field f, bool *value,
-                         struct ap_bad_line *bad) {
+static bool parse_flag(const char *line, struct ap_field f, const char *name, bool *value,
+                       struct ap_bad_line *bad) {
     if (f.len && !is_word(f, "0") && !is_word(f, "1"))
-        return ap_bad_line_at(bad, line, f.text, "select 0 or 1, or nothing");
+        return ap_bad_line_at(bad, line, f.text, "%s 0 or 1, or nothing", name);
     *value = is_word(f, "1");
     return true;
 }
@@ -131,7 +133,9 @@ bool ap_csv_parse(const char *line, size_t len, const struct ap_csv_columns *col
         else if (role == ROLE_SQUEEZE)
             ok = parse_fraction(line, f, "squeeze", &row->squeeze, bad);
         else if (role == ROLE_SELECT)
-            ok = parse_select(line, f, &row->select, bad);
+            ok = parse_flag(line, f, "select", &row->select, bad);
+        else if (role == ROLE_RESET)
+            ok = parse_flag(line, f, "reset", &row->reset, bad);
         if (!ok)
             return false;
         if (role == ROLE_QX)

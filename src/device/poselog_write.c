@@ -4,7 +4,7 @@
 #include "src/device/poselog.h"
 
 void ap_poselog_write_header(FILE *stream) {
-    fputs("t_ns,device,px,py,pz,qx,qy,qz,qw,trigger,squeeze,select\n", stream);
+    fputs("t_ns,device,px,py,pz,qx,qy,qz,qw,trigger,squeeze,select,reset\n", stream);
 }
 
 void ap_poselog_write_row(FILE *stream, const char *device, const struct ap_sample *sample) {
@@ -17,5 +17,5 @@ void ap_poselog_write_row(FILE *stream, const char *device, const struct ap_samp
         ap_format_double(text, numbers[i]);
         fprintf(stream, ",%s", text);
     }
-    fprintf(stream, ",%d\n", sample->select ? 1 : 0);
+    fprintf(stream, ",%d,%d\n", sample->select ? 1 : 0, sample->reset ? 1 : 0);
 }

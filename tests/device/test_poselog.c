@@ -343,7 +343,8 @@ static void test_round_trip(void **unused) {
                                         ap_quat_normalize(q)},
                                .trigger = (float)fabs(random_number(1)),
                                .squeeze = (float)fabs(random_number(1e-30)),
-                               .select = i & 1};
+                               .select = i & 1,
+                               .reset = i % 5 == 2};
         ap_poselog_write_row(stream, "head", &samples[i]);
     }
     assert_int_equal(fclose(stream), 0);
@@ -355,7 +356,8 @@ static void test_round_trip(void **unused) {
     for (int i = 0; i < COUNT; i++) {
         struct ap_sample s;
         assert_int_equal(ap_poselog_next(NULL, log, &s, &got), AP_OK);
-        assert_true(got && s.t_ns == samples[i].t_ns && s.select == samples[i].select);
+        assert_true(got && s.t_ns == samples[i].t_ns && s.select == samples[i].select &&
+                    s.reset == samples[i].reset);
         assert_memory_equal(&s.pose, &samples[i].pose, sizeof s.pose);
         assert_true(s.trigger == samples[i].trigger && s.squeeze == samples[i].squeeze);
     }
