@@ -23,4 +23,9 @@ for space in h3 s3 e3; do
 		[ "$rows" -gt 2500 ] || fail "vive $space: $rows rows of $d"
 	done
 done
+hid=$ANTIPODE_SHARED/data/hid/android_head_tracker_vive_head.hid
+"$antipode" replay --space e3 --table-at 0,-1,0 --headset "$ci" --pictures 3 --out "$work/hid" "$hid" \
+	>"$work/log" 2>&1 || fail "raw HID recording: $(tail -n 2 "$work/log")"
+rows=$(awk -F, '$3 == "head"' "$work/hid/frames.csv" | wc -l)
+[ "$rows" -gt 2500 ] || fail "raw HID recording: $rows rows of the head"
 finish
