@@ -4,9 +4,9 @@
 #include <stdbool.h>
 
 enum { SEGMENTS = 64, MAX_CORNERS = SEGMENTS + 8, MAX_RAYS = MAX_CORNERS + 4 };
-// Triangles smaller than this, in square tangents, are where the outline lies on the picture's
-// edge.
-static const double SLIVER = 1e-12;
+// Triangles flatter than this angle are where the outline lies on the picture's edge. In the
+// float32 of those who take them they could turn over.
+static const double FLAT_RAD = 1e-6;
 
 struct point {
     double x, y;
@@ -70,8 +70,8 @@ static struct point leaves(const struct polygon *p, struct point center, struct 
 }
 
 static void add_vertex(struct ap_mask *mask, struct point p) {
-    mask->vertex[mask->vertex_count][0] = p.x;
-    mask->vertex[mask->vertex_count++][1] = p.y;
+    mask->vertex[mask->vertex_count][0] = (double)(float)p.x;
+    mask->vertex[mask->vertex_count++][1] = (double)(float)p.y;
 }
 
 static void add_triangle(struct ap_mask *mask, uint32_t a, uint32_t b, uint32_t c) {
@@ -79,7 +79,9 @@ static void add_triangle(struct ap_mask *mask, uint32_t a, uint32_t b, uint32_t 
     const uint32_t index[3] = {a, b, c};
     for (int i = 0; i < 3; i++)
         p[i] = (struct point){mask->vertex[index[i]][0], mask->vertex[index[i]][1]};
-    if (cross(p[0], p[1], p[2]) <= SLIVER)
+    double ab = hypot(p[1].x - p[0].x, p[1].y - p[0].y);
+    double ac = hypot(p[2].x - p[0].x, p[2].y - p[0].y);
+    if (cross(p[0], p[1], p[2]) <= FLAT_RAD * ab * ac)
         return;
     for (int i = 0; i < 3; i++)
         mask->index[mask->index_count++] = index[i];

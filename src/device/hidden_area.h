@@ -19,7 +19,7 @@ enum { AP_MASK_MAX_VERTICES = 160, AP_MASK_MAX_INDICES = 480 };
 
 struct ap_mask {
     uint32_t vertex_count, index_count;
-    double vertex[AP_MASK_MAX_VERTICES][2];
+    double vertex[AP_MASK_MAX_VERTICES][2]; // each a float32's value
     uint32_t index[AP_MASK_MAX_INDICES];
 };
 
