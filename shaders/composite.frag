@@ -16,7 +16,7 @@ layout(set = 0, binding = 3) uniform sampler2D image_3;
 
 const float PI = 3.14159265;
 
-// atan on 0…1, off by less than 2e-6.
+// The arc tangent on 0…1, off by less than 2e-6.
 float small_atan(float x) {
     float s = x * x;
     return x * (0.99997722 +
