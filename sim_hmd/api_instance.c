@@ -5,7 +5,6 @@
 #include <openxr/openxr_reflection.h>
 
 #include "sim_hmd/runtime.h"
-#include "sim_hmd/strict.h"
 #include "src/base/clock.h"
 #include "src/base/log.h"
 
@@ -104,8 +103,6 @@ static XrResult load_settings(struct sim_instance *instance) {
     enum ap_status st = sim_settings_read(&err, getenv("ANTIPODE_SIM"), &instance->settings);
     if (!st)
         st = sim_source_create(&err, &instance->settings, &instance->source);
-    if (!st && instance->settings.strict)
-        sim_strict_start(instance->settings.strict_report);
     if (!st)
         return XR_SUCCESS;
     ap_log(AP_LOG_ERROR, "%s", err.text);

@@ -27,8 +27,8 @@ enum sim_level {
     SIM_NOTE,    // lawful; on another runtime it may matter
 };
 
-// Between sim_strict_start and sim_strict_finish, which xrCreateInstance and the end of the
-// instance or of the process call.
+// Between sim_strict_start, behind xrCreateInstance, and sim_strict_finish, at the end of the
+// instance or of the process. Without the runtime's lock.
 extern _Atomic bool sim_strict_on;
 void sim_strict_start(const char *report); // NULL: no report; the text is copied
 void sim_strict_finish(void);

@@ -199,20 +199,35 @@ static void enable_extensions(const XrInstanceCreateInfo *info) {
         sim_strict_enable(info->enabledExtensionNames[i]);
 }
 
-// The settings are read inside xrCreateInstance, if it comes to that.
-static void look_at_settings(void) {
+// The instance's settings, or where it came to none, perhaps before they were read, the file's. The
+// lint's locks are never taken under the runtime's, but by sim_strict, which asks for no others.
+static void start_as_settings_say(const struct sim_strict_call *call) {
     struct sim_settings settings;
     struct ap_error err;
-    if (sim_settings_read(&err, getenv("ANTIPODE_SIM"), &settings))
+    if (call->result < 0) {
+        if (sim_settings_read(&err, getenv("ANTIPODE_SIM"), &settings))
+            return;
+        if (settings.strict)
+            sim_strict_start(settings.strict_report);
+        sim_settings_finish(&settings);
         return;
-    if (settings.strict)
-        sim_strict_start(settings.strict_report);
-    sim_settings_finish(&settings);
+    }
+    bool strict;
+    char *report = NULL;
+    {
+        SIM_LOCKED;
+        const struct sim_instance *instance = sim_instance_get(*SIM_ARG(call, XrInstance *, 1));
+        strict = instance && instance->settings.strict;
+        if (strict && instance->settings.strict_report)
+            report = strdup(instance->settings.strict_report);
+    }
+    if (strict)
+        sim_strict_start(report);
+    free(report);
 }
 
 static void created_instance(struct sim_strict_call *call) {
-    if (!sim_strict_on && call->result < 0)
-        look_at_settings();
+    start_as_settings_say(call);
     if (!sim_strict_on)
         return;
     in_use = false;
