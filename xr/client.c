@@ -2,32 +2,6 @@
 
 #include <stdlib.h>
 
-struct ap_pose ap_pose_from_xr(XrPosef pose) {
-    struct ap_quat q = {pose.orientation.x, pose.orientation.y, pose.orientation.z,
-                        pose.orientation.w};
-    return (struct ap_pose){{pose.position.x, pose.position.y, pose.position.z},
-                            ap_quat_normalize(q)};
-}
-
-enum ap_status ap_xr_locate(struct ap_error *err, struct ap_xr *xr, XrSpace space, XrTime time,
-                            struct ap_xr_located *located) {
-    XrSpaceLocation at = {.type = XR_TYPE_SPACE_LOCATION};
-    enum ap_status st =
-        ap_xr_check(err, xr, ap_xrl.LocateSpace(space, xr->stage, time, &at), "xrLocateSpace");
-    if (st)
-        return st;
-    const XrSpaceLocationFlags valid =
-        XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
-    const XrSpaceLocationFlags tracked =
-        XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
-    *located = (struct ap_xr_located){.pose = AP_POSE_IDENTITY};
-    located->valid = (at.locationFlags & valid) == valid;
-    located->tracked = located->valid && (at.locationFlags & tracked) == tracked;
-    if (located->valid)
-        located->pose = ap_pose_from_xr(at.pose);
-    return AP_OK;
-}
-
 enum ap_status ap_xr_create(struct ap_error *err, const struct ap_xr_params *params,
                             struct ap_xr **out) {
     struct ap_xr *xr = calloc(1, sizeof *xr);
