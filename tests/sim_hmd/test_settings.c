@@ -95,6 +95,11 @@ static void everything_is_read(void **state) {
              "\"duration_s\": 5, \"seed\": 3}}");
     assert_true(s.walk.table_edge_m == 1.2 && s.walk.duration_s == 5 && s.walk.seed == 3);
     sim_settings_finish(&s);
+    s = good("{\"strict\": true, \"strict_report\": \"r.jsonl\"}");
+    snprintf(expected, sizeof expected, "%s/r.jsonl", dir);
+    assert_true(s.strict);
+    assert_string_equal(s.strict_report, expected);
+    sim_settings_finish(&s);
     s = good("{\"poses\": {\"window\": true}}");
     assert_true(s.poses == SIM_POSES_WINDOW && s.window);
     sim_settings_finish(&s);
@@ -133,6 +138,8 @@ static void errors_name_their_place(void **state) {
     bad("{\"frames\": 1.5}", "/frames");
     bad("{\"frames\": -1}", "/frames");
     bad("{\"window\": 1}", "/window");
+    bad("{\"strict\": 1}", "/strict");
+    bad("{\"strict_report\": \"r\"}", "/strict_report: there is no report without");
     bad("{\"poses\": {}}", "/poses");
     bad("{\"poses\": []}", "/poses");
     bad("{\"poses\": {\"logs\": []}}", "/poses/logs");
