@@ -25,9 +25,10 @@ static XrPath path(const struct client *c, const char *text) {
 
 static void start(struct client *c, const char *settings) {
     static const char *const extensions[] = {XR_MND_HEADLESS_EXTENSION_NAME,
-                                             XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME};
+                                             XR_EXT_CONFORMANCE_AUTOMATION_EXTENSION_NAME,
+                                             "XR_EXT_palm_pose"};
     client_settings(settings ? settings : "{\"clock\": \"virtual\"}");
-    client_extensions(extensions, 2);
+    client_extensions(extensions, 3);
     *c = (struct client){0};
     client_make_instance(c);
     *(void **)&set_active = client_proc(c->instance, "xrSetInputDeviceActiveEXT");
@@ -358,6 +359,43 @@ static void an_action_space_keeps_the_hand_it_took(void **state) {
     client_stop(&c);
 }
 
+// Off the handle to its outer side, fingers between the handle and the ray across it.
+static void the_palm_lies_beside_the_handle(void **state) {
+    (void)state;
+    struct client c;
+    start(&c, NULL);
+    XrActionSet set = make_set(&c, "set", 0);
+    XrAction grip = make_action(&c, set, "grip", XR_ACTION_TYPE_POSE_INPUT);
+    XrAction palm = make_action(&c, set, "palm", XR_ACTION_TYPE_POSE_INPUT);
+    const struct binding list[] = {{grip, "/user/hand/left/input/grip/pose"},
+                                   {palm, "/user/hand/left/input/palm_ext/pose"},
+                                   {grip, "/user/hand/right/input/grip/pose"},
+                                   {palm, "/user/hand/right/input/palm_ext/pose"}};
+    suggest(&c, simple, list, 4);
+    attach(&c, &set, 1);
+    sync(&c, &(XrActiveActionSet){.actionSet = set}, 1);
+    for (int hand = 0; hand < 2; hand++) {
+        XrActionSpaceCreateInfo info = {.type = XR_TYPE_ACTION_SPACE_CREATE_INFO,
+                                        .action = grip,
+                                        .subactionPath =
+                                            path(&c, hand ? "/user/hand/right" : "/user/hand/left"),
+                                        .poseInActionSpace.orientation.w = 1};
+        XrSpace grip_space, palm_space;
+        XR_OK(xrCreateActionSpace(c.session, &info, &grip_space));
+        info.action = palm;
+        XR_OK(xrCreateActionSpace(c.session, &info, &palm_space));
+        sync(&c, &(XrActiveActionSet){.actionSet = set}, 1);
+        XrSpaceLocation at = {.type = XR_TYPE_SPACE_LOCATION};
+        XR_OK(xrLocateSpace(palm_space, grip_space, 1000000000, &at));
+        assert_true(at.locationFlags & XR_SPACE_LOCATION_POSITION_VALID_BIT);
+        assert_true(fabsf(at.pose.position.x - (hand ? 0.02f : -0.02f)) < 1e-6f);
+        // -45 degrees about x.
+        float sign = at.pose.orientation.w < 0 ? -1 : 1;
+        assert_true(fabsf(sign * at.pose.orientation.x + 0.38268343f) < 1e-6f);
+    }
+    client_stop(&c);
+}
+
 static void attached_bindings_stay(void **state) {
     (void)state;
     struct client c;
@@ -383,6 +421,7 @@ int main(void) {
         cmocka_unit_test_teardown(driving_is_checked, client_teardown),
         cmocka_unit_test_teardown(a_higher_set_takes_the_input, client_teardown),
         cmocka_unit_test_teardown(an_action_space_keeps_the_hand_it_took, client_teardown),
+        cmocka_unit_test_teardown(the_palm_lies_beside_the_handle, client_teardown),
         cmocka_unit_test_teardown(attached_bindings_stay, client_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
