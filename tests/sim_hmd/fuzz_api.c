@@ -1,4 +1,5 @@
 #include <dlfcn.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,9 +11,9 @@
 
 // Random call sequences with random values, straight into the runtime (the loader would catch some
 // and crash on others): it may answer with any result, it may not crash, hang or leave a sanitizer
-// anything to say. `fuzz_api [SEED [CALLS]]`; a seed repeats.
+// anything to say. `fuzz_api [SEED [CALLS [THREADS]]]`; with one thread a seed repeats.
 
-static uint64_t rng;
+static _Thread_local uint64_t rng;
 
 uint64_t fuzz_u64(void) {
     rng ^= rng << 13;
@@ -22,7 +23,7 @@ uint64_t fuzz_u64(void) {
 }
 
 // Three calls in five are right as far as they know, so that the runtime gets somewhere.
-bool fuzz_tame;
+_Thread_local bool fuzz_tame;
 
 bool fuzz_chance(unsigned percent) {
     return fuzz_u64() % 100 < percent;
@@ -80,7 +81,7 @@ XrStructureType fuzz_type(XrStructureType right) {
 }
 
 const void *fuzz_next(void) {
-    static XrBaseInStructure chain[4];
+    static _Thread_local XrBaseInStructure chain[4];
     if (fuzz_tame || fuzz_chance(85))
         return NULL;
     for (int i = 0; i < 4; i++)
@@ -92,7 +93,7 @@ const void *fuzz_next(void) {
 // --- handles: what was made, right or wrong, alive or dead
 
 enum { POOL = 48 };
-static uint64_t pool[FUZZ_KINDS][POOL];
+static _Atomic uint64_t pool[FUZZ_KINDS][POOL];
 
 void fuzz_keep(enum fuzz_kind kind, uint64_t handle) {
     pool[kind][fuzz_below(POOL)] = handle;
@@ -168,20 +169,60 @@ static bool make_settings(char path[64], bool strict) {
     return setenv("ANTIPODE_SIM", path, 1) == 0;
 }
 
+// Everything ends and begins again after so many calls.
+enum { ROUND = 3000, THREADS_MAX = 16 };
+
+struct worker {
+    uint64_t seed;
+    int calls, good;
+};
+
+static void *work(void *data) {
+    struct worker *w = data;
+    rng = w->seed * 0x9e3779b97f4a7c15u + 1;
+    for (int i = 0; i < w->calls; i++) {
+        fuzz_tame = fuzz_chance(60);
+        w->good += fuzz_call() >= 0;
+    }
+    w->seed = rng;
+    return NULL;
+}
+
+// The calls that succeeded.
+static int play_round(struct worker *workers, int threads) {
+    pthread_t thread[THREADS_MAX];
+    int good = 0;
+    for (int i = 0; i < threads; i++)
+        workers[i] = (struct worker){.seed = workers[i].seed, .calls = ROUND / threads};
+    for (int i = 1; i < threads; i++)
+        if (pthread_create(&thread[i], NULL, work, &workers[i]) != 0)
+            abort();
+    work(&workers[0]);
+    for (int i = 1; i < threads; i++)
+        pthread_join(thread[i], NULL);
+    for (int i = 0; i < threads; i++)
+        good += workers[i].good;
+    return good;
+}
+
 int main(int argc, char **argv) {
     uint64_t seed = argc > 1 ? strtoull(argv[1], NULL, 10) : 1;
     long calls = argc > 2 ? strtol(argv[2], NULL, 10) : 150000;
-    rng = seed * 0x9e3779b97f4a7c15u + 1;
+    int threads = argc > 3 ? atoi(argv[3]) : 1;
+    if (threads < 1 || threads > THREADS_MAX)
+        return 2;
+    struct worker workers[THREADS_MAX];
+    for (int i = 0; i < THREADS_MAX; i++)
+        workers[i].seed = seed + 1000 * (uint64_t)i;
+    rng = seed;
     char settings[64];
     if (!load() || !make_settings(settings, false))
         return 1;
     long good = 0;
-    for (long i = 0; i < calls; i++) {
-        // Now and then everything ends and begins again.
-        if (i % 3000 == 0 && !fuzz_begin())
+    for (long i = 0; i < calls; i += ROUND) {
+        if (!fuzz_begin())
             return 77;
-        fuzz_tame = fuzz_chance(60);
-        good += fuzz_call() >= 0;
+        good += play_round(workers, threads);
     }
     fuzz_end();
     remove(settings);

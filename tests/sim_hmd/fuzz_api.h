@@ -21,7 +21,7 @@ enum fuzz_kind {
     FUZZ_KINDS,
 };
 
-extern bool fuzz_tame; // this call's values are right where they can be
+extern _Thread_local bool fuzz_tame; // this call's values are right where they can be
 
 uint64_t fuzz_u64(void);
 bool fuzz_chance(unsigned percent);
@@ -44,7 +44,7 @@ PFN_xrVoidFunction fuzz_proc(const char *name);
 bool fuzz_begin(void);
 void fuzz_end(void);
 
-// One random call; its result.
+// One random call; its result. Any thread.
 XrResult fuzz_call(void);
 
 #endif

@@ -1,3 +1,5 @@
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -21,8 +23,11 @@ static XrSession session;
 static VkInstance vk_instance;
 static VkPhysicalDevice vk_physical;
 static VkDevice vk_device;
-static XrTime display_time = 1000000000;
-static bool frame_pending; // a second xrWaitFrame would wait for another thread, as it must
+static _Atomic XrTime display_time = 1000000000;
+// A second xrWaitFrame before the first's frame is begun waits for another thread, as it must; here
+// nobody would come.
+static atomic_bool frame_pending;
+static pthread_mutex_t waiting = PTHREAD_MUTEX_INITIALIZER;
 static XrPath paths[8];
 
 static uint32_t capacity(uint32_t most) {
@@ -292,13 +297,17 @@ static XrResult call_frame(void) {
     XrResult r;
     switch (fuzz_below(3)) {
     case 0:
-        if (frame_pending)
+        if (pthread_mutex_trylock(&waiting) != 0)
             return XR_SUCCESS;
-        r = CALL(xrWaitFrame, SESSION, MAYBE(&wait), MAYBE(&state));
-        if (r == XR_SUCCESS) {
-            frame_pending = true;
-            display_time = state.predictedDisplayTime;
+        r = XR_SUCCESS;
+        if (!frame_pending) {
+            r = CALL(xrWaitFrame, SESSION, MAYBE(&wait), MAYBE(&state));
+            if (r == XR_SUCCESS) {
+                frame_pending = true;
+                display_time = state.predictedDisplayTime;
+            }
         }
+        pthread_mutex_unlock(&waiting);
         return r;
     case 1:
         r = CALL(xrBeginFrame, SESSION, MAYBE(&begin));
