@@ -275,7 +275,8 @@ XrResult XRAPI_CALL xrGetInputSourceLocalizedName(XrSession handle,
     return sim_two_call_text(capacity, count, text, buffer);
 }
 
-static XrResult check_haptic(XrSession handle, const XrHapticActionInfo *info) {
+// A pulse where the program may send one; its values are the caller's.
+static XrResult feel(XrSession handle, const XrHapticActionInfo *info, struct sim_pulse pulse) {
     struct sim_session *session;
     struct sim_action *action;
     XrResult result = sim_session_get(handle, &session);
@@ -288,11 +289,14 @@ static XrResult check_haptic(XrSession handle, const XrHapticActionInfo *info) {
         return result;
     if (action->type != XR_ACTION_TYPE_VIBRATION_OUTPUT)
         return XR_ERROR_ACTION_TYPE_MISMATCH;
-    int top;
-    result = sim_subaction(session->instance, action, info->subactionPath, &top);
+    result = sim_subaction(session->instance, action, info->subactionPath, &pulse.top);
     if (result != XR_SUCCESS)
         return result;
-    return session->state == XR_SESSION_STATE_FOCUSED ? XR_SUCCESS : XR_SESSION_NOT_FOCUSED;
+    if (session->state != XR_SESSION_STATE_FOCUSED)
+        return XR_SESSION_NOT_FOCUSED;
+    pulse.frame = session->begun_frame.index;
+    sim_pulses_add(&session->pulses, pulse);
+    return XR_SUCCESS;
 }
 
 XrResult XRAPI_CALL xrApplyHapticFeedback(XrSession handle, const XrHapticActionInfo *info,
@@ -300,10 +304,14 @@ XrResult XRAPI_CALL xrApplyHapticFeedback(XrSession handle, const XrHapticAction
     SIM_LOCKED;
     if (!sim_is(feedback, XR_TYPE_HAPTIC_VIBRATION))
         return XR_ERROR_VALIDATION_FAILURE;
-    return check_haptic(handle, info);
+    const XrHapticVibration *v = (const XrHapticVibration *)feedback;
+    return feel(handle, info,
+                (struct sim_pulse){.duration_ns = v->duration,
+                                   .frequency_hz = v->frequency,
+                                   .amplitude = v->amplitude});
 }
 
 XrResult XRAPI_CALL xrStopHapticFeedback(XrSession handle, const XrHapticActionInfo *info) {
     SIM_LOCKED;
-    return check_haptic(handle, info);
+    return feel(handle, info, (struct sim_pulse){.stop = true});
 }

@@ -34,8 +34,12 @@ enum ap_status sim_session_capture_frame(struct ap_error *err, struct sim_sessio
                                       .stage_from_head = head.pose,
                                       .info = info,
                                       .frame = frame,
+                                      .pulses = &session->pulses,
                                       .captured = captured};
-    return sim_frames_log_frame(err, session->frames_log, &logged);
+    st = sim_frames_log_frame(err, session->frames_log, &logged);
+    if (sim_frames_log_wants(session->frames_log, captured))
+        session->pulses = (struct sim_pulses){0};
+    return st;
 }
 
 enum ap_status sim_session_capture_flush(struct ap_error *err, struct sim_session *session) {

@@ -209,6 +209,30 @@ static void put_files(struct sim_line *line, const struct sim_settings *s,
     put(line, "]");
 }
 
+static void put_pulse(struct sim_line *line, const struct sim_pulse *p) {
+    put(line, "{\"frame\":%" PRId64 ",\"at\":\"%s\",", p->frame,
+        p->top < 0 ? "any" : sim_top_paths[p->top]);
+    if (p->stop) {
+        put(line, "\"stop\":true}");
+        return;
+    }
+    const double v[2] = {(double)p->frequency_hz, (double)p->amplitude};
+    put(line, "\"duration_ns\":%" PRId64 ",", p->duration_ns);
+    put_numbers(line, "frequency_amplitude", v, 2);
+    put(line, "}");
+}
+
+static void put_haptics(struct sim_line *line, const struct sim_pulses *pulses) {
+    put(line, "\"haptics\":[");
+    for (uint32_t i = 0; i < pulses->count; i++) {
+        put(line, i ? "," : "");
+        put_pulse(line, &pulses->pulse[i]);
+    }
+    put(line, "],");
+    if (pulses->dropped)
+        put(line, "\"haptics_dropped\":%" PRId64 ",", pulses->dropped);
+}
+
 static void put_times(struct sim_line *line, const struct sim_settings *s,
                       const struct sim_logged_frame *l) {
     const struct sim_prediction *p = l->predicted;
@@ -243,6 +267,7 @@ void sim_line_write(struct sim_line *line, const struct sim_settings *settings,
         put_layer(line, l->info->layers[k], &l->frame->layer[k]);
     }
     put(line, "],");
+    put_haptics(line, l->pulses);
     put_files(line, settings, l);
     put(line, "}\n");
 }

@@ -64,9 +64,13 @@ static enum ap_status write_all(struct ap_error *err, const struct sim_frames_lo
     return AP_OK;
 }
 
+bool sim_frames_log_wants(const struct sim_frames_log *l, bool captured) {
+    return l && l->fd >= 0 && (captured || l->settings->capture_log_all);
+}
+
 enum ap_status sim_frames_log_frame(struct ap_error *err, struct sim_frames_log *l,
                                     const struct sim_logged_frame *logged) {
-    if (!l || l->fd < 0 || (!logged->captured && !l->settings->capture_log_all))
+    if (!sim_frames_log_wants(l, logged->captured))
         return AP_OK;
     sim_line_write(&l->line, l->settings, logged);
     if (l->line.failed) {

@@ -2,6 +2,7 @@
 #define ANTIPODE_SIM_HMD_FRAMES_LOG_H
 
 #include "sim_hmd/frame.h"
+#include "sim_hmd/haptics.h"
 #include "sim_hmd/pacer.h"
 #include "src/device/timeline.h"
 
@@ -25,8 +26,12 @@ struct sim_logged_frame {
     struct ap_pose stage_from_head;
     const XrFrameEndInfo *info; // verified
     const struct sim_frame *frame;
+    const struct sim_pulses *pulses; // since the line before
     bool captured;
 };
+// True where the settings ask for a line of this frame.
+bool sim_frames_log_wants(const struct sim_frames_log *log, bool captured);
+
 // Nothing where the settings ask for captured frames only and this is none. AP_ENVIRONMENT.
 enum ap_status sim_frames_log_frame(struct ap_error *err, struct sim_frames_log *log,
                                     const struct sim_logged_frame *logged);

@@ -13,6 +13,7 @@
 #include <openxr/openxr_platform.h>
 
 #include "sim_hmd/automation.h"
+#include "sim_hmd/haptics.h"
 #include "sim_hmd/debug_utils.h"
 #include "sim_hmd/extensions.h"
 #include "sim_hmd/frame.h"
@@ -85,6 +86,7 @@ struct sim_session {
     bool waited, begun;
     struct sim_prediction waited_frame, begun_frame;
     int64_t discarded, missed; // since the last frame that was shown
+    struct sim_pulses pulses;  // since the last line of frames_log
     struct sim_frame_counts {
         int64_t shown, discarded, missed, late;
         int64_t margin_least_ns;

@@ -132,6 +132,25 @@ static int run_session(struct ap_xr *xr, int stop_at) {
     }
 }
 
+static int count_of(const char *text, const char *word) {
+    int n = 0;
+    for (const char *at = strstr(text, word); at; at = strstr(at + 1, word))
+        n++;
+    return n;
+}
+
+// Each frame asks for a pulse in the right hand; frames 0, 10 … 80 are captured and have a line.
+static void check_haptics(void) {
+    char *path = in_dir("out/frames.jsonl"), *text;
+    size_t len;
+    assert_int_equal(ap_file_read(NULL, path, 1 << 20, &text, &len), AP_OK);
+    free(path);
+    assert_int_equal(count_of(text, "\"at\":\"/user/hand/right\""), 81);
+    assert_int_equal(count_of(text, "\"duration_ns\":100000000,\"frequency_amplitude\":[0,0.5]"),
+                     81);
+    free(text);
+}
+
 static void a_log_arrives_frame_by_frame(void **state) {
     (void)state;
     struct ap_xr *xr = open_client("sim.json", false);
@@ -142,6 +161,7 @@ static void a_log_arrives_frame_by_frame(void **state) {
     assert_non_null(strstr(ap_xr_runtime_name(xr), "antipode"));
     assert_int_equal(run_session(xr, -1), 90);
     ap_xr_destroy(xr);
+    check_haptics();
 }
 
 static void the_older_way_of_sharing_vulkan_works_too(void **state) {
