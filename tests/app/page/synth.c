@@ -59,13 +59,23 @@ char *synth_read_text(const char *dir, const char *name) {
     return text;
 }
 
+static struct ap_eye_profile synth_eye(double left_rad, double right_rad, double yaw_rad) {
+    return (struct ap_eye_profile){.width_px = 300,
+                                   .height_px = 280,
+                                   .left_rad = left_rad,
+                                   .right_rad = right_rad,
+                                   .up_rad = 0.65,
+                                   .down_rad = -0.7,
+                                   .yaw_rad = yaw_rad};
+}
+
 struct ap_headset_profile synth_headset(void) {
-    return (struct ap_headset_profile){.name = "synthetic",
-                                       .refresh_hz = 90,
-                                       .ipd_m = 0.064,
-                                       .eye = {{300, 280, -0.75, 0.6, 0.65, -0.7, 0.06},
-                                               {300, 280, -0.6, 0.75, 0.65, -0.7, -0.06}},
-                                       .grip_from_aim = AP_POSE_IDENTITY};
+    return (struct ap_headset_profile){
+        .name = "synthetic",
+        .refresh_hz = 90,
+        .ipd_m = 0.064,
+        .eye = {synth_eye(-0.75, 0.6, 0.06), synth_eye(-0.6, 0.75, -0.06)},
+        .grip_from_aim = AP_POSE_IDENTITY};
 }
 
 static struct ap_pose head_pose(int64_t frame) {
