@@ -32,15 +32,18 @@ static const XrGraphicsBindingVulkanKHR *find_binding(const XrSessionCreateInfo 
     return (const XrGraphicsBindingVulkanKHR *)s;
 }
 
-static bool binding_usable(const XrGraphicsBindingVulkanKHR *b) {
-    if (!b || !b->instance || !b->physicalDevice || !b->device)
-        return false;
+static XrResult check_binding(const XrGraphicsBindingVulkanKHR *b) {
+    if (!b->instance || !b->physicalDevice || !b->device)
+        return XR_ERROR_GRAPHICS_DEVICE_INVALID;
     VkPhysicalDevice chosen;
-    if (sim_choose_device(b->instance, &chosen) != XR_SUCCESS || chosen != b->physicalDevice)
-        return false;
+    XrResult result = sim_choose_device(b->instance, &chosen);
+    if (result == XR_ERROR_OUT_OF_MEMORY)
+        return result;
+    if (result != XR_SUCCESS || chosen != b->physicalDevice)
+        return XR_ERROR_GRAPHICS_DEVICE_INVALID;
     uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(b->physicalDevice, &count, NULL);
-    return b->queueFamilyIndex < count;
+    return b->queueFamilyIndex < count ? XR_SUCCESS : XR_ERROR_GRAPHICS_DEVICE_INVALID;
 }
 
 static XrResult open_device(struct sim_session *session, const XrGraphicsBindingVulkanKHR *b) {
@@ -142,8 +145,9 @@ XrResult XRAPI_CALL xrCreateSession(XrInstance handle, const XrSessionCreateInfo
         return XR_ERROR_GRAPHICS_DEVICE_INVALID;
     if (binding && !instance->requirements_called)
         return XR_ERROR_GRAPHICS_REQUIREMENTS_CALL_MISSING;
-    if (binding && !binding_usable(binding))
-        return XR_ERROR_GRAPHICS_DEVICE_INVALID;
+    XrResult result = binding ? check_binding(binding) : XR_SUCCESS;
+    if (result != XR_SUCCESS)
+        return result;
     if (instance->session)
         return XR_ERROR_LIMIT_REACHED;
     return make_session(instance, binding, out);

@@ -285,8 +285,8 @@ static XrResult set_layouts(struct sim_swapchain *swapchain) {
     }
     if (!st)
         return XR_SUCCESS;
-    ap_log(AP_LOG_ERROR, "%s", err.text);
-    return XR_ERROR_RUNTIME_FAILURE;
+    sim_session_lose(swapchain->session, err.text);
+    return XR_ERROR_SESSION_LOST;
 }
 
 XrResult XRAPI_CALL xrAcquireSwapchainImage(XrSwapchain handle,

@@ -26,6 +26,27 @@ struct sim_capture {
     struct ap_error error;
 };
 
+// A fork waits until no picture is half written: its child would write what is buffered of it a
+// second time at its exit.
+static pthread_rwlock_t writing = PTHREAD_RWLOCK_WRITER_NONRECURSIVE_INITIALIZER_NP;
+static pthread_once_t watch_forks_once = PTHREAD_ONCE_INIT;
+
+static void before_fork(void) {
+    pthread_rwlock_wrlock(&writing);
+}
+
+static void after_fork(void) {
+    pthread_rwlock_unlock(&writing);
+}
+
+static void after_fork_in_child(void) {
+    pthread_rwlock_init(&writing, NULL);
+}
+
+static void watch_forks(void) {
+    pthread_atfork(before_fork, after_fork, after_fork_in_child);
+}
+
 static void *work(void *arg) {
     struct sim_capture *c = arg;
     pthread_mutex_lock(&c->lock);
@@ -41,7 +62,9 @@ static void *work(void *arg) {
         pthread_cond_broadcast(&c->room);
         pthread_mutex_unlock(&c->lock);
         struct ap_error error = {{0}};
+        pthread_rwlock_rdlock(&writing);
         enum ap_status st = job.run(&error, job.user, job.what);
+        pthread_rwlock_unlock(&writing);
         pthread_mutex_lock(&c->lock);
         if (st && !c->status) {
             c->status = st;
@@ -75,6 +98,7 @@ enum ap_status sim_capture_create(struct ap_error *err, const struct sim_setting
     struct sim_capture *c = calloc(1, sizeof *c);
     if (!c)
         return ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    pthread_once(&watch_forks_once, watch_forks);
     pthread_mutex_init(&c->lock, NULL);
     pthread_cond_init(&c->work, NULL);
     pthread_cond_init(&c->room, NULL);

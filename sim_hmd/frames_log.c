@@ -2,9 +2,12 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "sim_hmd/frames_line.h"
@@ -49,11 +52,27 @@ enum ap_status sim_frames_log_create(struct ap_error *err, const struct sim_sett
     return st;
 }
 
+// A file that is as long as it may get is an error and no reason to die: this thread is the
+// program's, which has not asked for the signal.
+static ssize_t write_some(int fd, const char *bytes, size_t len) {
+    sigset_t too_long, old;
+    sigemptyset(&too_long);
+    sigaddset(&too_long, SIGXFSZ);
+    pthread_sigmask(SIG_BLOCK, &too_long, &old);
+    ssize_t n = write(fd, bytes, len);
+    int why = errno;
+    if (n < 0 && why == EFBIG)
+        sigtimedwait(&too_long, NULL, &(struct timespec){0});
+    pthread_sigmask(SIG_SETMASK, &old, NULL);
+    errno = why;
+    return n;
+}
+
 // One call a line, so that a reader and a killed program's rest see whole ones.
 static enum ap_status write_all(struct ap_error *err, const struct sim_frames_log *l,
                                 const char *bytes, size_t len) {
     while (len > 0) {
-        ssize_t n = write(l->fd, bytes, len);
+        ssize_t n = write_some(l->fd, bytes, len);
         if (n < 0 && errno == EINTR)
             continue;
         if (n <= 0)

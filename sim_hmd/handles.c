@@ -20,7 +20,7 @@ static int live_count;
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t changed;
-static pthread_once_t changed_once = PTHREAD_ONCE_INIT;
+static pthread_once_t set_up_once = PTHREAD_ONCE_INIT;
 
 // Places are never handed out again in the order they were freed with the same generation; the
 // table itself lives as long as the library, so that old handles stay recognisable.
@@ -113,8 +113,27 @@ static void make_changed(void) {
     pthread_condattr_destroy(&attr);
 }
 
+// A fork's child has the parent's memory, but neither its threads nor its device: it is left
+// without handles, so that whatever it calls, at exit perhaps, touches no file of the parent's and
+// waits for no thread. An instance of its own it may make.
+static struct slot *volatile parents; // where a leak checker finds what is not freed
+
+static void forget_in_child(void) {
+    parents = slots;
+    slots = NULL;
+    slot_count = slot_capacity = first_free = 0;
+    live_count = 0;
+    pthread_mutex_init(&mutex, NULL); // another thread may have held it
+    make_changed();
+}
+
+static void set_up(void) {
+    make_changed();
+    pthread_atfork(NULL, NULL, forget_in_child);
+}
+
 void sim_lock(void) {
-    pthread_once(&changed_once, make_changed);
+    pthread_once(&set_up_once, set_up);
     pthread_mutex_lock(&mutex);
 }
 

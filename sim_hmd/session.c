@@ -35,8 +35,7 @@ void sim_session_ask_to_end(struct sim_session *session) {
 void sim_session_lose(struct sim_session *session, const char *what) {
     if (session->lost)
         return;
-    ap_log(AP_LOG_ERROR, "%s; the session is lost: make room or change \"capture\" in the settings",
-           what);
+    ap_log(AP_LOG_ERROR, "%s; the session is lost", what);
     session->lost = true;
     session->running = false;
     sim_session_set_state(session, XR_SESSION_STATE_LOSS_PENDING);

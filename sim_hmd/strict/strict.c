@@ -53,7 +53,20 @@ static void write_line(json_t *line) {
     json_decref(line);
 }
 
+// A fork's child has no instance, so nothing to be blamed for, and the report is the parent's.
+static void forget_in_child(void) {
+    sim_strict_on = false;
+    strict.report = NULL;
+    pthread_mutex_init(&strict.mutex, NULL); // another thread may have held it
+}
+
+static void watch_forks(void) {
+    pthread_atfork(NULL, NULL, forget_in_child);
+}
+
 void sim_strict_start(const char *report) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, watch_forks);
     sim_strict_finish();
     sim_strict_usage_reset();
     pthread_mutex_lock(&strict.mutex);
@@ -61,6 +74,7 @@ void sim_strict_start(const char *report) {
     strict.dropped = 0;
     strict.process = getpid();
     strict.report = report ? fopen(report, "ae") : NULL;
+    free(strict.path); // a fork's child has its parent's
     strict.path = report ? strdup(report) : NULL;
     if (report && !strict.report)
         ap_log(AP_LOG_ERROR, "strict: %s: %s", report, strerror(errno));
