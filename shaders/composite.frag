@@ -3,10 +3,18 @@
 #include "composite.glsl"
 // Layers as a display's eye sees them: where the pixel's ray meets a layer picks the texel.
 
-layout(location = 0) in vec3 ray_0;
-layout(location = 1) in vec3 ray_1;
-layout(location = 2) in vec3 ray_2;
-layout(location = 3) in vec3 ray_3;
+layout(location = 0) noperspective in vec3 ray_0;
+layout(location = 1) noperspective in vec3 ray_1;
+layout(location = 2) noperspective in vec3 ray_2;
+layout(location = 3) noperspective in vec3 ray_3;
+layout(location = 4) flat in vec4 origin_0;
+layout(location = 5) flat in vec4 origin_1;
+layout(location = 6) flat in vec4 origin_2;
+layout(location = 7) flat in vec4 origin_3;
+layout(location = 8) flat in vec4 shape_0;
+layout(location = 9) flat in vec4 shape_1;
+layout(location = 10) flat in vec4 shape_2;
+layout(location = 11) flat in vec4 shape_3;
 layout(location = 0) out vec4 color; // linear light, premultiplied; the target encodes it
 
 layout(set = 0, binding = 0) uniform sampler2D image_0;
@@ -14,62 +22,84 @@ layout(set = 0, binding = 1) uniform sampler2D image_1;
 layout(set = 0, binding = 2) uniform sampler2D image_2;
 layout(set = 0, binding = 3) uniform sampler2D image_3;
 
+// Of struct Layer, what every pixel of a curved one needs: the same for all of them.
+struct Curve {
+    vec4 origin, shape;
+};
+
 const float PI = 3.14159265;
 
-// The arc tangent on 0…1, off by less than 2e-6.
-float small_atan(float x) {
+const float NOT_ZERO = 1e-30; // for a ray along the axis
+
+// Twice the arc tangent on -1…1, off by less than 4e-6. An angle is this of y / (length + x), which
+// needs no cases for which of x and y is larger.
+float angle(float x) {
     float s = x * x;
-    return x * (0.99997722 +
-                s * (-0.33262283 +
-                     s * (0.19354039 + s * (-0.11642649 + s * (0.05264734 - s * 0.01171913)))));
+    return x * (1.99995444 +
+                s * (-0.66524566 +
+                     s * (0.38708078 + s * (-0.23285298 + s * (0.10529468 - s * 0.02343826)))));
 }
 
-// Of the point (x, y), between 0 and a right angle, for both not negative.
-float sharp_angle(float y, float x) {
-    float a = small_atan(min(y, x) / max(max(y, x), 1e-30));
-    return y > x ? 0.5 * PI - a : a;
+// Of what lies behind, whose angle was taken as if it were before.
+float around(vec3 p, float a) {
+    return p.z > 0.0 ? (p.x < 0.0 ? -PI : PI) - a : a;
 }
 
-float angle(float y, float x) {
-    float a = sharp_angle(abs(y), abs(x));
-    a = x < 0.0 ? PI - a : a;
-    return y < 0.0 ? -a : a;
+// Where on the inside of the unit cylinder or sphere, the farther of two places, the ray meets it.
+// Scaled by a, which no angle minds: that saves a division. Its distance from the axis or the
+// middle is a.
+vec3 inside(uint way, vec4 origin, vec3 ray, float a, out float t, out bool seen) {
+    float b = (way & SPHERE) != 0u ? dot(origin.xyz, ray) : dot(origin.xz, ray.xz);
+    float square = b * b - a * origin.w;
+    t = sqrt((way & EDGES) != 0u ? max(square, 0.0) : square) - b;
+    seen = square >= 0.0 && t > 0.0;
+    return a * origin.xyz + t * ray;
+}
+
+vec2 meet_sphere(uint way, Curve l, vec3 ray, out bool seen) {
+    vec3 p = ray;
+    float a = dot(ray, ray), t;
+    seen = true;
+    if ((way & CENTRED) != 0u)
+        a = sqrt(a);
+    else
+        p = inside(way, l.origin, ray, a, t, seen);
+    // Both quotients by one division.
+    float across = sqrt(dot(p.xz, p.xz)), ahead = across + abs(p.z) + NOT_ZERO, up = across + a;
+    float one = 1.0 / (ahead * up);
+    return vec2(around(p, angle(p.x * (up * one))), angle(p.y * (ahead * one)));
+}
+
+vec2 meet_cylinder(uint way, Curve l, vec3 ray, out bool seen) {
+    vec3 p = ray;
+    float a = dot(ray.xz, ray.xz), t = 1.0;
+    seen = true;
+    if ((way & CENTRED) != 0u)
+        a = sqrt(a);
+    else
+        p = inside(way, l.origin, ray, a, t, seen);
+    float ahead = a + abs(p.z);
+    float one = 1.0 / (ahead * a);
+    return vec2(around(p, angle(p.x * (a * one))), t * ray.y * (ahead * one));
 }
 
 // Where on the layer's image the ray meets it.
-vec2 meet(uint way, Layer l, vec3 ray, out bool seen) {
+vec2 meet(uint way, Curve l, vec3 ray, out bool seen) {
     uint kind = way & 3u;
-    seen = true;
     if (kind == 0u) {
         seen = ray.z > 0.0;
         return ray.xy * (1.0 / ray.z);
     }
-    // The inside of the unit cylinder or sphere is the farther of two places on the ray. Scaled by
-    // a, which no angle minds: that saves a division.
-    vec3 p = ray;
-    vec2 flat_ray = ray.xz;
-    float a = kind == SPHERE ? dot(ray, ray) : dot(flat_ray, flat_ray);
-    if ((way & CENTRED) == 0u) {
-        float b = kind == SPHERE ? dot(l.origin.xyz, ray) : dot(l.origin.xz, flat_ray);
-        float square = b * b - a * l.origin.w, t = sqrt(max(square, 0.0)) - b;
-        seen = square >= 0.0 && t > 0.0;
-        p = a * l.origin.xyz + t * ray;
-    }
-    float up;
-    if (kind == SPHERE) {
-        up = sharp_angle(abs(p.y), length(p.xz));
-        up = p.y < 0.0 ? -up : up;
-    } else {
-        up = (way & CENTRED) != 0u ? p.y * inversesqrt(a) : p.y / a;
-    }
-    return vec2(angle(p.x, -p.z), up) * l.shape.xz + l.shape.yw;
+    vec2 at = kind == SPHERE ? meet_sphere(way, l, ray, seen) : meet_cylinder(way, l, ray, seen);
+    return at * l.shape.xz + l.shape.yw;
 }
 
-vec4 look(uint way, sampler2D image, Layer l, vec3 ray) {
+vec4 look(uint way, sampler2D image, Layer l, Curve curve, vec3 ray) {
     bool seen;
-    vec2 at = meet(way, l, ray, seen), right = dFdx(at), down = dFdy(at);
+    vec2 at = meet(way, curve, ray, seen), right = dFdx(at), down = dFdy(at);
     if ((way & EDGES) != 0u) {
-        seen = seen && all(greaterThanEqual(at, l.part.xy)) && all(lessThanEqual(at, l.part.zw));
+        vec4 part = (way & PART) != 0u ? l.part : vec4(0.0, 0.0, 1.0, 1.0);
+        seen = seen && all(greaterThanEqual(at, part.xy)) && all(lessThanEqual(at, part.zw));
         if (!seen && COUNT == 1u && !FIRST)
             discard;
     }
@@ -81,17 +111,17 @@ vec4 look(uint way, sampler2D image, Layer l, vec3 ray) {
 }
 
 void main() {
-    vec4 sum = look(WAY_0, image_0, layers[0], ray_0);
+    vec4 sum = look(WAY_0, image_0, layers[0], Curve(origin_0, shape_0), ray_0);
     if (COUNT > 1u) {
-        vec4 c = look(WAY_1, image_1, layers[1], ray_1);
+        vec4 c = look(WAY_1, image_1, layers[1], Curve(origin_1, shape_1), ray_1);
         sum = c + (1.0 - c.a) * sum;
     }
     if (COUNT > 2u) {
-        vec4 c = look(WAY_2, image_2, layers[2], ray_2);
+        vec4 c = look(WAY_2, image_2, layers[2], Curve(origin_2, shape_2), ray_2);
         sum = c + (1.0 - c.a) * sum;
     }
     if (COUNT > 3u) {
-        vec4 c = look(WAY_3, image_3, layers[3], ray_3);
+        vec4 c = look(WAY_3, image_3, layers[3], Curve(origin_3, shape_3), ray_3);
         sum = c + (1.0 - c.a) * sum;
     }
     if (FIRST)

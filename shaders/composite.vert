@@ -3,10 +3,19 @@
 #include "composite.glsl"
 // One triangle over the whole viewport. The rays are linear over the picture.
 
-layout(location = 0) out vec3 ray_0;
-layout(location = 1) out vec3 ray_1;
-layout(location = 2) out vec3 ray_2;
-layout(location = 3) out vec3 ray_3;
+layout(location = 0) noperspective out vec3 ray_0;
+layout(location = 1) noperspective out vec3 ray_1;
+layout(location = 2) noperspective out vec3 ray_2;
+layout(location = 3) noperspective out vec3 ray_3;
+// The same for all pixels: cheaper on software Vulkan than the buffer's numbers for each.
+layout(location = 4) flat out vec4 origin_0;
+layout(location = 5) flat out vec4 origin_1;
+layout(location = 6) flat out vec4 origin_2;
+layout(location = 7) flat out vec4 origin_3;
+layout(location = 8) flat out vec4 shape_0;
+layout(location = 9) flat out vec4 shape_1;
+layout(location = 10) flat out vec4 shape_2;
+layout(location = 11) flat out vec4 shape_3;
 
 vec3 ray(uint k, vec3 at) {
     return vec3(dot(layers[k].from_uv[0].xyz, at), dot(layers[k].from_uv[1].xyz, at),
@@ -20,5 +29,13 @@ void main() {
     ray_1 = COUNT > 1u ? ray(1u, at) : vec3(0.0);
     ray_2 = COUNT > 2u ? ray(2u, at) : vec3(0.0);
     ray_3 = COUNT > 3u ? ray(3u, at) : vec3(0.0);
+    origin_0 = layers[0].origin;
+    shape_0 = layers[0].shape;
+    origin_1 = layers[1].origin;
+    shape_1 = layers[1].shape;
+    origin_2 = layers[2].origin;
+    shape_2 = layers[2].shape;
+    origin_3 = layers[3].origin;
+    shape_3 = layers[3].shape;
     gl_Position = vec4(2.0 * uv - 1.0, 0.0, 1.0);
 }

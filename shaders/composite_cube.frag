@@ -3,7 +3,7 @@
 #include "composite.glsl"
 // A cube map around the eye, infinitely far: sampled along the ray.
 
-layout(location = 0) in vec3 ray_0;
+layout(location = 0) noperspective in vec3 ray_0;
 layout(location = 0) out vec4 color;
 
 layout(set = 0, binding = 0) uniform samplerCube sky;

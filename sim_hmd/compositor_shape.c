@@ -126,6 +126,8 @@ static void put_curve(const struct sight *s, struct sim_shape *shape) {
     shape->shape[0] = (float)(part.size[0] / layer->central_rad);
     shape->shape[1] = (float)(part.from[0] + 0.5 * part.size[0]);
     shape->shape[2] = (float)(part.size[1] / (down - up));
+    if (!sphere) // the shader counts heights from the eye's
+        up -= y, down -= y;
     shape->shape[3] = (float)(part.from[1] + part.size[1] * up / (up - down));
 }
 
