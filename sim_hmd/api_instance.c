@@ -100,7 +100,9 @@ static void free_instance(struct sim_object *object) {
 // The environment's settings and what they name. The person who set them reads standard error.
 static XrResult load_settings(struct sim_instance *instance) {
     struct ap_error err;
-    enum ap_status st = sim_settings_read(&err, getenv("ANTIPODE_SIM"), &instance->settings);
+    // An empty variable is none: that is how scripts clear one.
+    const char *path = getenv("ANTIPODE_SIM");
+    enum ap_status st = sim_settings_read(&err, path && *path ? path : NULL, &instance->settings);
     if (!st)
         st = sim_source_create(&err, &instance->settings, &instance->source);
     if (!st)

@@ -269,6 +269,9 @@ static void bad_settings_say_where_and_make_no_instance(void **state) {
     }
     setenv("ANTIPODE_SIM", "/nonexistent/settings.json", 1);
     XR_IS(XR_ERROR_INITIALIZATION_FAILED, client_try_instance(&instance));
+    setenv("ANTIPODE_SIM", "", 1); // as good as unset
+    XR_OK(client_try_instance(&instance));
+    XR_OK(xrDestroyInstance(instance));
     client_settings(NULL);
     XR_OK(client_try_instance(&instance));
     XrInstanceProperties p = {.type = XR_TYPE_INSTANCE_PROPERTIES};
