@@ -28,9 +28,9 @@ struct sim_prediction {
     int64_t index;      // frames since the session began
     int64_t display_ns; // XrTime
     int64_t period_ns;
-    int64_t wake_machine_ns; // when the program may start; INT64_MIN: at once
+    int64_t wake_machine_ns;     // when the program may start; INT64_MIN: at once
     int64_t waited_ns, begun_ns; // XrTime at which the calls returned; the frame loop's
-    int64_t missed;          // places of the grid passed over since the frame before
+    int64_t missed;              // places of the grid passed over since the frame before
 };
 
 void sim_pacer_init(struct sim_pacer *pacer, enum sim_clock clock, double refresh_hz,

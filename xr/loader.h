@@ -9,24 +9,20 @@
 // program works on a machine without it, and its absence is a sentence rather than a failed start.
 // ap_xrl.WaitFrame(…) is xrWaitFrame(…).
 
-#define AP_XR_FUNCTIONS(X)                                                                         \
-    X(AcquireSwapchainImage)                                                                       \
-    X(ApplyHapticFeedback) X(AttachSessionActionSets) X(BeginFrame) X(BeginSession)                \
-        X(CreateAction) X(CreateActionSet) X(CreateActionSpace) X(CreateInstance)                  \
-            X(CreateReferenceSpace) X(CreateSession) X(CreateSwapchain) X(DestroyActionSet)        \
-                X(DestroyInstance) X(DestroySession) X(EndFrame) X(EndSession)                     \
-                    X(EnumerateEnvironmentBlendModes) X(EnumerateInstanceExtensionProperties)      \
-                        X(EnumerateReferenceSpaces) X(EnumerateSwapchainFormats)                   \
-                            X(EnumerateSwapchainImages) X(EnumerateViewConfigurationViews)         \
-                                X(GetActionStateBoolean) X(GetActionStateFloat)                    \
-                                    X(GetInstanceProcAddr) X(GetInstanceProperties) X(GetSystem)   \
-                                        X(GetSystemProperties) X(LocateSpace) X(LocateViews)       \
-                                            X(PollEvent) X(ReleaseSwapchainImage)                  \
-                                                X(RequestExitSession) X(ResultToString)            \
-                                                    X(StringToPath)                                \
-                                                        X(SuggestInteractionProfileBindings)       \
-                                                            X(SyncActions) X(WaitFrame)            \
-                                                                X(WaitSwapchainImage)
+// clang-format off
+#define AP_XR_FUNCTIONS(X) \
+    X(AcquireSwapchainImage) X(ApplyHapticFeedback) X(AttachSessionActionSets) X(BeginFrame) \
+    X(BeginSession) X(CreateAction) X(CreateActionSet) X(CreateActionSpace) \
+    X(CreateInstance) X(CreateReferenceSpace) X(CreateSession) X(CreateSwapchain) \
+    X(DestroyActionSet) X(DestroyInstance) X(DestroySession) X(EndFrame) X(EndSession) \
+    X(EnumerateEnvironmentBlendModes) X(EnumerateInstanceExtensionProperties) \
+    X(EnumerateReferenceSpaces) X(EnumerateSwapchainFormats) X(EnumerateSwapchainImages) \
+    X(EnumerateViewConfigurationViews) X(GetActionStateBoolean) X(GetActionStateFloat) \
+    X(GetInstanceProcAddr) X(GetInstanceProperties) X(GetSystem) X(GetSystemProperties) \
+    X(LocateSpace) X(LocateViews) X(PollEvent) X(ReleaseSwapchainImage) \
+    X(RequestExitSession) X(ResultToString) X(StringToPath) \
+    X(SuggestInteractionProfileBindings) X(SyncActions) X(WaitFrame) X(WaitSwapchainImage)
+// clang-format on
 
 struct ap_xr_loader {
 #define AP_XR_MEMBER(name) PFN_xr##name name;
