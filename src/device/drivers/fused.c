@@ -20,6 +20,17 @@ struct ap_driver_sample *ap_driver_add_fused(struct ap_driver_samples *samples, 
     return sample;
 }
 
+enum ap_report_verdict ap_driver_add_controls(struct ap_driver_sample *sample, uint32_t buttons,
+                                              double trigger, double battery) {
+    if (!sample)
+        return AP_REPORT_IGNORED;
+    sample->buttons = buttons;
+    sample->trigger = (float)trigger;
+    sample->has_battery = true;
+    sample->battery = (float)battery;
+    return AP_REPORT_OK;
+}
+
 uint32_t ap_crc32(uint32_t crc, const uint8_t *bytes, size_t len) {
     crc = ~crc;
     for (size_t i = 0; i < len; i++) {

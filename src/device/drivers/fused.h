@@ -11,6 +11,11 @@ struct ap_driver_sample *ap_driver_add_fused(struct ap_driver_samples *samples, 
                                              uint64_t raw_ticks, struct ap_vec3 gyr_rad_s,
                                              struct ap_vec3 acc_m_s2);
 
+// What is pressed and how full the battery is (0…1), onto such a sample; AP_REPORT_IGNORED where it
+// is NULL.
+enum ap_report_verdict ap_driver_add_controls(struct ap_driver_sample *sample, uint32_t buttons,
+                                              double trigger, double battery);
+
 // zlib's CRC-32 of more bytes; begin with 0.
 uint32_t ap_crc32(uint32_t crc, const uint8_t *bytes, size_t len);
 

@@ -60,6 +60,10 @@ struct ap_driver_sample {
     bool reset;        // the reference has changed: no interpolation from the sample before
     uint32_t buttons;  // bit 0 is the one that selects
     float trigger;     // 0…1
+    bool has_battery;  // battery is known
+    float battery;     // 0 empty … 1 full
+    bool has_reset_count;
+    uint32_t reset_count; // how often the device says that it has begun a new reference
 };
 
 struct ap_driver_samples {

@@ -80,7 +80,7 @@ static struct ap_feature_report calibration_of(const struct ap_playstation_layou
 }
 
 static void check_playstation(uint16_t bus, uint16_t product, size_t gyro, size_t accel,
-                              size_t ticks, size_t buttons, size_t triggers) {
+                              size_t ticks, size_t buttons, size_t triggers, size_t battery) {
     const struct ap_driver *driver = plug(bus, 0x054c, product);
     assert_ptr_equal(driver, &ap_driver_playstation);
     const struct ap_playstation_layout *layout = ap_playstation_find(&info);
@@ -96,6 +96,7 @@ static void check_playstation(uint16_t bus, uint16_t product, size_t gyro, size_
     b[buttons] = 0x28; // no direction, cross
     b[buttons + 1] = 1;
     b[triggers + 1] = 51;
+    b[battery] = 0x17; // at a cable, seven tenths and some
     if (layout->has_crc)
         put_crc(b, layout->len);
     struct ap_playstation_packet p;
@@ -110,6 +111,7 @@ static void check_playstation(uint16_t bus, uint16_t product, size_t gyro, size_
     assert_int_equal(p.ticks, 0x1234);
     assert_int_equal(p.buttons, 0x11);
     close_to("trigger", p.trigger, 0.2, 1e-12);
+    close_to("battery", p.battery, 0.75, 1e-12);
     for (size_t len = 0; len < layout->len; len++)
         assert_int_equal(ap_playstation_parse(layout, &c, b, len, &p), AP_REPORT_BAD);
     b[gyro] ^= 4;
@@ -121,10 +123,10 @@ static void check_playstation(uint16_t bus, uint16_t product, size_t gyro, size_
 
 static void test_playstation_packets(void **unused) {
     (void)unused;
-    check_playstation(3, 0x0ce6, 16, 22, 28, 8, 5);
-    check_playstation(5, 0x0ce6, 17, 23, 29, 9, 6);
-    check_playstation(3, 0x09cc, 13, 19, 10, 5, 8);
-    check_playstation(5, 0x05c4, 15, 21, 12, 7, 10);
+    check_playstation(3, 0x0ce6, 16, 22, 28, 8, 5, 53);
+    check_playstation(5, 0x0ce6, 17, 23, 29, 9, 6, 54);
+    check_playstation(3, 0x09cc, 13, 19, 10, 5, 8, 30);
+    check_playstation(5, 0x05c4, 15, 21, 12, 7, 10, 32);
     assert_null(plug(3, 0x054c, 0x1234));
     assert_null(plug(6, 0x054c, 0x0ce6));
 }

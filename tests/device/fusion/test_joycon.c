@@ -63,6 +63,7 @@ static void test_packet(void **unused) {
     (void)unused;
     uint8_t b[AP_JOYCON_REPORT];
     make(b, 200, (const int[]){4096, 8192, -4096}, (const int[]){1000, -2000, 3000});
+    b[2] = 0x60; // three quarters full
     b[3] = 0x08; // A
     b[5] = 0x80; // ZL
     struct ap_joycon_calibration c = ap_joycon_usual_calibration();
@@ -74,6 +75,7 @@ static void test_packet(void **unused) {
         check_vec("left, rates", p.at[i].gyr_rad_s, 2 * w, 3 * w, -w);
     }
     assert_int_equal(p.timer, 200);
+    close_to("battery", p.battery, 0.75, 0);
     assert_true(p.trigger && !(p.buttons & 1));
     assert_int_equal(ap_joycon_parse(AP_JOYCON_RIGHT, &c, b, sizeof b, &p), AP_REPORT_OK);
     check_vec("right, forces", p.at[2].acc_m_s2, 2 * g, g, -g);

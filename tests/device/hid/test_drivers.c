@@ -94,6 +94,7 @@ static void test_android(void **unused) {
     // Another reference.
     assert_int_equal(feed(driver, 1040000000, "07 0000 0000 0000 0000 0000 0000 06"), 0);
     assert_true(samples.at[0].reset && !samples.at[0].has_rate);
+    assert_true(samples.at[0].has_reset_count && samples.at[0].reset_count == 6);
     assert_int_equal(feed(driver, 1050000000, "07 0000 00"), AP_REPORT_BAD);
     assert_int_equal(feed(driver, 1050000000, "09 03"), AP_REPORT_IGNORED);
     assert_int_equal(feed(driver, 1050000000, ""), AP_REPORT_IGNORED);
@@ -207,6 +208,14 @@ static void test_slimevr(void **unused) {
     struct ap_quat want = ap_quat_mul(turn, z_up);
     check_quat(samples.at[0].pose.q, want.x, want.y, want.z, want.w, 1e-9);
     check_vec(samples.at[0].acceleration_m_s2, 0, 0, 1, 0);
+    // What is left in the battery comes with another packet, and stays; padding says nothing.
+    assert_false(samples.at[0].has_battery);
+    snprintf(twice, sizeof twice, "00 07 c6 96 00 00 00 00 00 00 00 00 00 00 00 00 %s", turned);
+    assert_int_equal(feed(driver, 0, twice), AP_REPORT_OK);
+    assert_true(samples.at[0].has_battery && samples.at[0].battery == 0.7f);
+    snprintf(twice, sizeof twice, "00 07 00 00 00 00 00 00 00 00 00 00 00 00 00 00 %s", turned);
+    assert_int_equal(feed(driver, 0, twice), AP_REPORT_OK);
+    assert_true(samples.at[0].has_battery && samples.at[0].battery == 0.7f);
     // Packed: v = (0, 0, sqrt(1/2)) is half of pi about z.
     struct ap_slimevr_packet p;
     uint8_t packed[16] = {7, 2, 2};

@@ -78,6 +78,8 @@ static enum ap_report_verdict parse(void *state, const struct ap_device_info *in
     sample->kind = AP_SAMPLE_ORIENTATION;
     sample->pose.q = ap_quat_from_rotation_vector(ap_y_up_vec3(r.rotation_rad));
     sample->reset = s->has_before && r.has_counter && r.counter != s->counter;
+    sample->has_reset_count = r.has_counter;
+    sample->reset_count = (uint32_t)r.counter;
     find_rate(s, &r, t_ns, sample);
     s->has_before = true;
     s->before_ns = t_ns;

@@ -82,12 +82,9 @@ static enum ap_report_verdict parse(void *state, const struct ap_device_info *in
                                                              p.at[i].gyr_rad_s, p.at[i].acc_m_s2);
         reset |= sample && sample->reset;
     }
-    if (!sample)
-        return AP_REPORT_IGNORED;
-    sample->reset = reset;
-    sample->buttons = p.buttons;
-    sample->trigger = p.trigger ? 1 : 0;
-    return AP_REPORT_OK;
+    if (sample)
+        sample->reset = reset;
+    return ap_driver_add_controls(sample, p.buttons, p.trigger, p.battery);
 }
 
 _Static_assert(sizeof(struct state) <= AP_DRIVER_STATE_MAX, "the fusion's state fits");

@@ -25,6 +25,7 @@ struct ap_joycon_packet {
     } at[AP_JOYCON_MEASUREMENTS];           // the oldest first
     uint32_t buttons;                       // bit 0: A, or the left one's right arrow
     bool trigger;                           // ZL or ZR
+    double battery;                         // 0…1, in steps of a quarter
 };
 
 // AP_REPORT_IGNORED: no full report.

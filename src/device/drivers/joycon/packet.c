@@ -37,6 +37,7 @@ enum ap_report_verdict ap_joycon_parse(enum ap_joycon_kind kind,
     if (len < AP_JOYCON_REPORT)
         return AP_REPORT_BAD;
     packet->timer = bytes[1];
+    packet->battery = bytes[2] >> 5 < 4 ? (bytes[2] >> 5) / 4.0 : 1;
     for (int i = 0; i < AP_JOYCON_MEASUREMENTS; i++) {
         double a[3], w[3];
         for (int k = 0; k < 3; k++) {

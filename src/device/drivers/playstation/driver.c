@@ -43,11 +43,7 @@ static enum ap_report_verdict parse(void *state, const struct ap_device_info *in
         return verdict;
     struct ap_driver_sample *sample =
         ap_driver_add_fused(samples, &s->imu, p.ticks, p.gyr_rad_s, p.acc_m_s2);
-    if (!sample)
-        return AP_REPORT_IGNORED;
-    sample->buttons = p.buttons;
-    sample->trigger = (float)p.trigger;
-    return AP_REPORT_OK;
+    return ap_driver_add_controls(sample, p.buttons, p.trigger, p.battery);
 }
 
 _Static_assert(sizeof(struct state) <= AP_DRIVER_STATE_MAX, "the fusion's state fits");

@@ -18,6 +18,7 @@ static const struct ap_playstation_layout layouts[] = {
         .ticks = 28,
         .buttons = 8,
         .triggers = 5,
+        .battery = 53,
         .imu = {.period_s = 0.004, .bits = 32, .tick_ns_num = 1000, .tick_ns_den = 3},
         .calibration = 0x05,
         .calibration_len = 41,
@@ -35,6 +36,7 @@ static const struct ap_playstation_layout layouts[] = {
         .ticks = 29,
         .buttons = 9,
         .triggers = 6,
+        .battery = 54,
         .imu = {.period_s = 0.004, .bits = 32, .tick_ns_num = 1000, .tick_ns_den = 3},
         .calibration = 0x05,
         .calibration_len = 41,
@@ -51,6 +53,7 @@ static const struct ap_playstation_layout layouts[] = {
         .ticks = 10,
         .buttons = 5,
         .triggers = 8,
+        .battery = 30,
         .imu = {.period_s = 0.004, .bits = 16, .tick_ns_num = 16000, .tick_ns_den = 3},
         .calibration = 0x02,
         .calibration_len = 37,
@@ -68,6 +71,7 @@ static const struct ap_playstation_layout layouts[] = {
         .ticks = 12,
         .buttons = 7,
         .triggers = 10,
+        .battery = 32,
         .imu = {.period_s = 0.004, .bits = 16, .tick_ns_num = 16000, .tick_ns_den = 3},
         .calibration = 0x05,
         .calibration_len = 41,
@@ -135,6 +139,7 @@ enum ap_report_verdict ap_playstation_parse(const struct ap_playstation_layout *
     const uint8_t *b = bytes + layout->buttons, *t = bytes + layout->triggers;
     // Square, cross, circle, triangle are the upper bits of the first byte; cross comes first.
     uint32_t face = (uint32_t)b[0] >> 4, others = (uint32_t)b[1] | (uint32_t)(b[2] & 3) << 8;
+    unsigned level = bytes[layout->battery] & 15; // tenths, of which the last is not full
     uint8_t far = t[0] > t[1] ? t[0] : t[1];
     *packet = (struct ap_playstation_packet){
         .gyr_rad_s = measured(bytes + layout->gyro, c->gyro_bias, c->gyro_scale),
@@ -143,6 +148,7 @@ enum ap_report_verdict ap_playstation_parse(const struct ap_playstation_layout *
                                         : ap_u32le(bytes + layout->ticks),
         .buttons = (face >> 1 & 1) | (face & 1) << 1 | (face & 12) | others << 4,
         .trigger = far / 255.0,
+        .battery = level < 10 ? level / 10.0 + 0.05 : 1,
     };
     return AP_REPORT_OK;
 }

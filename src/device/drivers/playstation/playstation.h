@@ -11,8 +11,8 @@ struct ap_playstation_layout {
     uint16_t products[2];
     uint8_t report; // its id
     size_t len;
-    bool has_crc;                                 // in the last four bytes
-    size_t gyro, accel, ticks, buttons, triggers; // offsets
+    bool has_crc;                                          // in the last four bytes
+    size_t gyro, accel, ticks, buttons, triggers, battery; // offsets
     struct ap_imu_params imu;
     uint8_t calibration; // the feature report's id; asking for it turns full reports on
     size_t calibration_len;
@@ -38,6 +38,7 @@ struct ap_playstation_packet {
     uint32_t ticks;
     uint32_t buttons; // bit 0: cross
     double trigger;   // the farther one, 0…1
+    double battery;   // 0…1, in steps of a tenth
 };
 
 // AP_REPORT_IGNORED: another report. AP_REPORT_BAD: too short, or a wrong check sum.

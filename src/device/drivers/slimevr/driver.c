@@ -3,6 +3,7 @@
 struct state {
     uint8_t tracker[256]; // by id: 0 not registered, else its number + 1
     uint8_t buttons[256];
+    uint8_t battery[256]; // percent + 1, 0: not known
     uint8_t count;
 };
 
@@ -26,6 +27,8 @@ static void take(struct state *s, const struct ap_slimevr_packet *p,
         return;
     if (p->has_buttons)
         s->buttons[p->id] = p->buttons;
+    if (p->has_battery)
+        s->battery[p->id] = (uint8_t)(p->battery_percent + 1);
     if (p->kind != AP_SLIMEVR_ROTATION)
         return;
     // The trackers' world has z up, their own axes stay: a quarter turn on the left.
@@ -38,6 +41,8 @@ static void take(struct state *s, const struct ap_slimevr_packet *p,
     sample->pose.q = ap_quat_normalize(ap_quat_mul(turn, p->q));
     sample->acceleration_m_s2 = p->acceleration_m_s2;
     sample->buttons = s->buttons[p->id];
+    sample->has_battery = s->battery[p->id] > 0;
+    sample->battery = sample->has_battery ? (float)(s->battery[p->id] - 1) / 100 : 0;
 }
 
 // The receiver puts registrations behind the other packets, but they count for those, too.

@@ -31,9 +31,18 @@ static bool read_packed(const uint8_t *b, struct ap_quat *q) {
     return ap_quat_make_unit(q);
 }
 
+// Percent (128: not known) and, behind it, the voltage, which is 0 only in padding.
+static void read_battery(const uint8_t *b, struct ap_slimevr_packet *packet) {
+    packet->has_battery = b[0] != 128 && b[1] != 0;
+    packet->battery_percent = (b[0] & 127) > 100 ? 100 : b[0] & 127;
+}
+
 bool ap_slimevr_parse(const uint8_t b[AP_SLIMEVR_PACKET], struct ap_slimevr_packet *packet) {
     *packet = (struct ap_slimevr_packet){.id = b[1]};
     switch (b[0]) {
+    case 0:
+        read_battery(b + 2, packet);
+        return true;
     case 255:
         packet->kind = AP_SLIMEVR_REGISTRATION;
         packet->address = ap_u32le(b + 2) | (uint64_t)ap_u16le(b + 6) << 32;
@@ -47,6 +56,8 @@ bool ap_slimevr_parse(const uint8_t b[AP_SLIMEVR_PACKET], struct ap_slimevr_pack
     case 2:
     case 7:
         packet->kind = AP_SLIMEVR_ROTATION;
+        if (b[0] == 2)
+            read_battery(b + 2, packet);
         packet->has_buttons = b[0] == 7;
         packet->buttons = b[0] == 7 ? b[2] & 3 : 0;
         packet->acceleration_m_s2 = read_acceleration(b + 9);

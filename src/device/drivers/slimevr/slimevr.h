@@ -22,6 +22,8 @@ struct ap_slimevr_packet {
     struct ap_vec3 acceleration_m_s2; // of the tracker without gravity, in its own axes
     bool has_buttons;
     uint8_t buttons;
+    bool has_battery;
+    uint8_t battery_percent;
 };
 
 // False: a rotation that is none.
