@@ -2,7 +2,7 @@
 
 build_packages='gcc libc6-dev meson ninja-build pkg-config glslang-tools libvulkan-dev
 	libopenxr-dev libopenxr-loader1 libglfw3-dev libpng-dev libassimp-dev libjansson-dev
-	mesa-vulkan-drivers gnuplot-nox'
+	mesa-vulkan-drivers gnuplot-nox libfreetype-dev libfontconfig-dev fonts-dejavu-core'
 check_packages='clang libcmocka-dev libmpfr-dev vulkan-validationlayers libopenxr-utils
 	openxr-layer-corevalidation xvfb xauth xdotool imagemagick x11-utils procps'
 
