@@ -1,4 +1,4 @@
-// What the composition shaders share: see sim_hmd/compositor_shape.h and compositor_pass.h.
+// What the composition shaders share: see sim_hmd/compose/shape.h and pass.h.
 
 const uint FUSED = 4u; // layers that one draw may lay over one another
 

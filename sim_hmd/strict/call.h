@@ -1,8 +1,9 @@
 #ifndef ANTIPODE_SIM_HMD_STRICT_CALL_H
 #define ANTIPODE_SIM_HMD_STRICT_CALL_H
 
-#include "sim_hmd/runtime.h"
-#include "sim_hmd/strict.h"
+#include "sim_hmd/core/handles.h"
+#include "sim_hmd/ext/extensions.h"
+#include "sim_hmd/strict/strict.h"
 
 // What the parts of the lint know of one another; nobody else includes this.
 

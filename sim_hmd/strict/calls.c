@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim_hmd/core/instance.h"
 #include "sim_hmd/strict/spec.h"
 
 // A wrapper of every function: arguments, the function itself, the result.

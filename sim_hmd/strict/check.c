@@ -6,6 +6,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include "sim_hmd/core/instance.h"
 #include "sim_hmd/strict/call.h"
 
 // The arguments of a call against the tables of functions and structures: the implicit valid

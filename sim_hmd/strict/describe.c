@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "sim_hmd/core/instance.h"
 #include "sim_hmd/strict/call.h"
 
 // What a call was given, in a line for people.

@@ -1,5 +1,6 @@
 #include <string.h>
 
+#include "sim_hmd/compose/frame.h"
 #include "sim_hmd/strict/spec.h"
 
 #include <openxr/openxr_reflection.h>

@@ -1,4 +1,4 @@
-#include "sim_hmd/strict.h"
+#include "sim_hmd/strict/strict.h"
 
 #include <errno.h>
 #include <jansson.h>

@@ -1,5 +1,6 @@
 #include <string.h>
 
+#include "sim_hmd/core/swapchains.h"
 #include "sim_hmd/strict/call.h"
 
 // Swapchains as the program uses them. Those beyond the bound are not followed.

@@ -1,6 +1,7 @@
 #include <pthread.h>
 #include <string.h>
 
+#include "sim_hmd/input/actions.h"
 #include "sim_hmd/strict/call.h"
 
 // What the specification allows and a program hardly means: the frame loop, views, events, actions

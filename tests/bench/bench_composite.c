@@ -9,9 +9,9 @@
 #include <string.h>
 #include <time.h>
 
-#include "sim_hmd/compositor_pass.h"
-#include "sim_hmd/compositor_plan.h"
-#include "sim_hmd/compositor_slot.h"
+#include "sim_hmd/compose/pass.h"
+#include "sim_hmd/compose/plan.h"
+#include "sim_hmd/compose/slot.h"
 #include "tests/sim_hmd/textured.frag.spv.h"
 #include "tests/sim_hmd/textured.vert.spv.h"
 

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "sim_hmd/negotiate.h"
+#include "sim_hmd/core/negotiate.h"
 #include "tests/sim_hmd/fuzz_api.h"
 
 // Random call sequences with random values, straight into the runtime (the loader would catch some

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "sim_hmd/compositor.h"
+#include "sim_hmd/compose/compositor.h"
 #include "src/image/image.h"
 
 // A compositor on a headless device, handed frames as the runtime hands them, its pictures read

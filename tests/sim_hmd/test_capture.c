@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "sim_hmd/capture.h"
+#include "sim_hmd/capture/capture.h"
 #include "src/base/file.h"
 
 static char folder[] = "/tmp/antipode-capture-XXXXXX";

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "sim_hmd/window/input.h"
 #include "src/base/file.h"
 
 // ---- The reference: shaders/composite.frag in double

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #define XR_EXTENSION_PROTOTYPES
-#include "sim_hmd/newer.h"
+#include "sim_hmd/ext/newer.h"
 #include "tests/sim_hmd/client.h"
 
 // The extensions, as a program meets them through the loader. Sessions without graphics, but where

@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-#include "sim_hmd/handles.h"
+#include "sim_hmd/core/handles.h"
 
 static int freed;
 

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "sim_hmd/hand_tracking.h"
+#include "sim_hmd/input/hand_model.h"
 
 // The made-up hand against what OpenXR says of grips and joints.
 

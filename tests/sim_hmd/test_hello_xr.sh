@@ -16,13 +16,20 @@ trap 'rm -rf "$dir"' EXIT
 failed=0
 
 # run NAME SETTINGS EXPECTED ARGUMENTS…: hello_xr ends by itself or with its input, says what is
-# expected, and no error.
+# expected, and no error. Its input ends when it has said so, or after 20 s.
+input() {
+    for _ in $(seq 100); do
+        grep -q -- "$2" "$1" && break
+        sleep 0.2
+    done
+}
 run() {
     name=$1 settings=$2 expected=$3
     shift 3
     printf '%s' "$settings" >"$dir/settings.json"
-    ANTIPODE_SIM=$dir/settings.json timeout 60 sh -c 'sleep 2 | hello_xr "$@"' sh "$@" \
-        >"$dir/$name.log" 2>&1
+    : >"$dir/$name.log"
+    input "$dir/$name.log" "$expected" |
+        ANTIPODE_SIM=$dir/settings.json timeout 60 stdbuf -oL hello_xr "$@" >"$dir/$name.log" 2>&1
     status=$?
     if [ $status -ne 0 ] || ! grep -q -- "$expected" "$dir/$name.log" ||
         grep -E '^\[[^]]*\[Error|antipode-sim: error|VALID|Error  *\]' "$dir/$name.log"; then

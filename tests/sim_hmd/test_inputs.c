@@ -5,9 +5,9 @@
 
 #include <string.h>
 
-#include "sim_hmd/settings.h"
-#include "sim_hmd/source.h"
-#include "sim_hmd/source_inputs.h"
+#include "sim_hmd/core/settings.h"
+#include "sim_hmd/input/source.h"
+#include "sim_hmd/input/log_inputs.h"
 #include "tests/device/memory_file.h"
 
 // Input logs and the controllers that they drive.
@@ -143,7 +143,7 @@ static void inputs_have_the_pose_logs_clock(void **state) {
     const struct sim_component *trigger =
         component("oculus/touch_controller", "/user/hand/left/input/trigger/value", &top);
     float v[2];
-    sim_source_start(source, 700);
+    sim_source_start(source, 700, 0);
     assert_false(sim_source_component(source, trigger, top, 699, v));
     assert_true(sim_source_component(source, trigger, top, 700, v));
     assert_true(v[0] == 0.25f);

@@ -11,8 +11,8 @@
 #include <string.h>
 
 #define XR_EXTENSION_PROTOTYPES
-#include "sim_hmd/negotiate.h"
-#include "sim_hmd/newer.h"
+#include "sim_hmd/core/negotiate.h"
+#include "sim_hmd/ext/newer.h"
 
 // OpenXR 1.1 as a newer loader negotiates it; Debian's knows 1.0 only. This test is the loader.
 

@@ -4,7 +4,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "sim_hmd/pacer.h"
+#include "sim_hmd/core/pacer.h"
 
 static void virtual_time_does_not_look_at_the_clock(void **state) {
     (void)state;

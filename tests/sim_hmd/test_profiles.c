@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim_hmd/profiles.h"
+#include "sim_hmd/input/profiles.h"
 
 // The interaction profiles against the specification's lists (OpenXR 1.0, section 6.4), written
 // down a second time: what is listed is there, and nothing else is.

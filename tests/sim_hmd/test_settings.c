@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "sim_hmd/settings.h"
+#include "sim_hmd/core/settings.h"
 #include "src/base/file.h"
 
 static char dir[] = "/tmp/antipode-test-XXXXXX";

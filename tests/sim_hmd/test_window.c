@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "sim_hmd/window.h"
+#include "sim_hmd/window/window.h"
 #include "src/base/clock.h"
 #include "src/base/file.h"
 #include "src/image/image.h"

@@ -1,0 +1,60 @@
+#ifndef ANTIPODE_SIM_HMD_CAPTURE_CAPTURE_H
+#define ANTIPODE_SIM_HMD_CAPTURE_CAPTURE_H
+
+#include <stdint.h>
+
+#include "sim_hmd/core/settings.h"
+#include "src/base/status.h"
+#include "src/image/image.h"
+
+// A few threads that do what a frame leaves behind (wait for the GPU, encode, write), so that the
+// program in whose process we are does not wait for it. Every call is for one thread at a time; the
+// jobs run on the others, with all signals blocked, so that none of the program's handlers does.
+struct sim_capture;
+
+struct sim_capture_job {
+    enum ap_status (*run)(struct ap_error *err, void *user, int what);
+    void *user;
+    int what;
+};
+
+// The settings, which outlive it, say where to and how; their folder is made. NULL, or without a
+// folder: the jobs write nowhere. AP_ENVIRONMENT.
+enum ap_status sim_capture_create(struct ap_error *err, const struct sim_settings *settings,
+                                  int threads, struct sim_capture **capture);
+
+// First come, first served. Blocks while 64 jobs wait.
+void sim_capture_add(struct sim_capture *capture, const struct sim_capture_job *job);
+
+enum { SIM_CAPTURE_NAME_MAX = 64 };
+
+// The name of a picture: NNNNNN-left.png, NNNNNN-layerK-right.png where layer is not negative,
+// NNNNNN-layerK.png where eye is negative, for a layer's one picture.
+void sim_capture_name(const struct sim_settings *settings, int64_t frame, int layer, int eye,
+                      char name[SIM_CAPTURE_NAME_MAX]);
+
+// Writes an eye's composed picture into the folder, whole or not at all, through the lens where the
+// settings ask for it. From a job.
+enum ap_status sim_capture_write(struct ap_error *err, const struct sim_capture *capture,
+                                 int64_t frame, int eye, const struct ap_pixels *pixels);
+
+// A layer's, as it is. alpha: PNG keeps it (PAM always does); linear: the bytes are linear light.
+struct sim_capture_layer {
+    int64_t frame;
+    int layer, eye;
+    bool alpha, linear;
+};
+enum ap_status sim_capture_write_layer(struct ap_error *err, const struct sim_capture *capture,
+                                       const struct sim_capture_layer *which,
+                                       const struct ap_pixels *pixels);
+
+// The first failure of a job since the last call, AP_OK where there is none.
+enum ap_status sim_capture_error(struct ap_error *err, struct sim_capture *capture);
+
+// Returns when no job waits or runs.
+void sim_capture_drain(struct sim_capture *capture);
+
+// Drains, joins. Accepts NULL.
+void sim_capture_destroy(struct sim_capture *capture);
+
+#endif

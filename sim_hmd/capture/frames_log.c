@@ -1,0 +1,122 @@
+#include "sim_hmd/capture/frames_log.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "sim_hmd/capture/frames_line.h"
+#include "src/base/file.h"
+
+struct sim_frames_log {
+    const struct sim_settings *settings;
+    char *path, *part;
+    int fd;                // −1: closed
+    bool begun, committed; // begun: the file is ours
+    struct sim_line line;
+};
+
+static enum ap_status cannot(struct ap_error *err, const char *path) {
+    return ap_fail(err, AP_ENVIRONMENT, "%s: cannot be written: %s", path, strerror(errno));
+}
+
+enum ap_status sim_frames_log_create(struct ap_error *err, const struct sim_settings *settings,
+                                     struct sim_frames_log **log) {
+    struct sim_frames_log *l = calloc(1, sizeof *l);
+    if (!l)
+        return ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    l->settings = settings;
+    l->fd = -1;
+    l->path = ap_path_join(settings->capture_dir, "frames.jsonl");
+    l->part = ap_path_join(settings->capture_dir, "frames.jsonl.part");
+    enum ap_status st = l->path && l->part ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    if (!st) {
+        // What lies there is another run's, or a stranger's link.
+        if ((unlink(l->path) != 0 && errno != ENOENT) || (unlink(l->part) != 0 && errno != ENOENT))
+            st = cannot(err, l->path);
+        else
+            l->fd = open(l->part, O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
+        if (!st && l->fd < 0)
+            st = cannot(err, l->part);
+        l->begun = l->fd >= 0;
+    }
+    if (st)
+        sim_frames_log_destroy(l);
+    else
+        *log = l;
+    return st;
+}
+
+// A file that is as long as it may get is an error and no reason to die: this thread is the
+// program's, which has not asked for the signal.
+static ssize_t write_some(int fd, const char *bytes, size_t len) {
+    sigset_t too_long, old;
+    sigemptyset(&too_long);
+    sigaddset(&too_long, SIGXFSZ);
+    pthread_sigmask(SIG_BLOCK, &too_long, &old);
+    ssize_t n = write(fd, bytes, len);
+    int why = errno;
+    if (n < 0 && why == EFBIG)
+        sigtimedwait(&too_long, NULL, &(struct timespec){0});
+    pthread_sigmask(SIG_SETMASK, &old, NULL);
+    errno = why;
+    return n;
+}
+
+// One call a line, so that a reader and a killed program's rest see whole ones.
+static enum ap_status write_all(struct ap_error *err, const struct sim_frames_log *l,
+                                const char *bytes, size_t len) {
+    while (len > 0) {
+        ssize_t n = write_some(l->fd, bytes, len);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return cannot(err, l->part);
+        bytes += n;
+        len -= (size_t)n;
+    }
+    return AP_OK;
+}
+
+bool sim_frames_log_wants(const struct sim_frames_log *l, bool captured) {
+    return l && l->fd >= 0 && (captured || l->settings->capture_log_all);
+}
+
+enum ap_status sim_frames_log_frame(struct ap_error *err, struct sim_frames_log *l,
+                                    const struct sim_logged_frame *logged) {
+    if (!sim_frames_log_wants(l, logged->captured))
+        return AP_OK;
+    sim_line_write(&l->line, l->settings, logged);
+    if (l->line.failed) {
+        l->line.failed = false;
+        return ap_fail(err, AP_ENVIRONMENT, "%s: no memory for a frame's line", l->part);
+    }
+    return write_all(err, l, l->line.text, l->line.len);
+}
+
+enum ap_status sim_frames_log_commit(struct ap_error *err, struct sim_frames_log *l) {
+    if (!l || l->fd < 0)
+        return AP_OK;
+    int failed = close(l->fd);
+    l->fd = -1;
+    l->committed = !failed && rename(l->part, l->path) == 0;
+    return l->committed ? AP_OK : cannot(err, l->path);
+}
+
+void sim_frames_log_destroy(struct sim_frames_log *l) {
+    if (!l)
+        return;
+    if (l->fd >= 0)
+        close(l->fd);
+    if (l->begun && !l->committed)
+        unlink(l->part);
+    free(l->line.text);
+    free(l->path);
+    free(l->part);
+    free(l);
+}
