@@ -121,6 +121,15 @@ static void place(enum ap_status *st, struct ap_error *err, struct play *play, c
         *st = ap_tracker_feed(err, play->room.tracker, device, located->pose, has_row, iso);
 }
 
+static const char *const hand_names[2] = {"left", "right"};
+
+static void place_head(enum ap_status *st, struct ap_error *err, struct play *play,
+                       const struct ap_xr_frame *frame) {
+    bool head = false;
+    place(st, err, play, "head", &frame->head, &head, &play->input.viewer.world_from_nose);
+    play->head_known |= head;
+}
+
 static enum ap_status draw(struct ap_error *err, struct play *play,
                            const struct ap_xr_frame *frame) {
     struct ap_xr_images images;
@@ -141,12 +150,15 @@ static enum ap_status step(struct ap_error *err, struct play *play) {
     enum ap_status st = ap_xr_begin_frame(err, play->xr, &frame);
     if (st)
         return st;
-    bool head;
-    place(&st, err, play, "head", &frame.head, &head, &play->input.viewer.world_from_nose);
-    play->head_known |= head;
-    for (int h = 0; h < 2; h++)
-        place(&st, err, play, h ? "right" : "left", &frame.hand[h].grip,
-              &play->input.hand_tracked[h], &play->input.world_from_hand[h]);
+    // What the others are placed by comes first.
+    for (int turn = 0; turn < 2; turn++) {
+        if (ap_tracker_leads(play->room.tracker, "head") == !turn)
+            place_head(&st, err, play, &frame);
+        for (int h = 0; h < 2; h++)
+            if (ap_tracker_leads(play->room.tracker, hand_names[h]) == !turn)
+                place(&st, err, play, hand_names[h], &frame.hand[h].grip,
+                      &play->input.hand_tracked[h], &play->input.world_from_hand[h]);
+    }
     // Until the head has been seen once there is nowhere to look from.
     if (!st && frame.should_render && play->head_known)
         st = draw(err, play, &frame);

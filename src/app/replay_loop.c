@@ -87,7 +87,7 @@ static enum ap_status step_device(struct ap_error *err, struct loop *loop, int d
     if (st)
         return st;
     ap_replay_write_frame_row(replay, &row);
-    if (strcmp(row.device, "head") == 0)
+    if (row.has_row && strcmp(row.device, "head") == 0)
         loop->input.viewer.world_from_nose = row.world_from_device;
     for (int hand = 0; hand < 2; hand++)
         if (row.has_row && strcmp(row.device, hand ? "right" : "left") == 0) {
@@ -97,7 +97,15 @@ static enum ap_status step_device(struct ap_error *err, struct loop *loop, int d
     return AP_OK;
 }
 
-// All devices of frame k, the head first: a hand is placed by where the head is now.
+// In what order the devices of a frame are placed: what others are placed by, the head, the rest.
+static int turn_of(const struct ap_replay *replay, int device) {
+    const char *name = ap_timeline_device_name(replay->timeline, device);
+    if (ap_tracker_leads(replay->room.tracker, name))
+        return 0;
+    return strcmp(name, "head") == 0 ? 1 : 2;
+}
+
+// All devices of frame k, each by where the anchor is now.
 static enum ap_status step_devices(struct ap_error *err, struct loop *loop,
                                    const struct ap_xr_frame *frame) {
     const struct ap_timeline *timeline = loop->replay->timeline;
@@ -107,12 +115,12 @@ static enum ap_status step_devices(struct ap_error *err, struct loop *loop,
         return ap_fail(err, AP_ENVIRONMENT, "frame %lld: the runtime's clock says %lld, not %lld",
                        (long long)loop->next, (long long)frame->time_ns,
                        (long long)(t_ns - t0 + 1000000000));
-    int head = ap_timeline_find_device(timeline, "head");
     loop->input.hand_tracked[0] = loop->input.hand_tracked[1] = false;
-    enum ap_status st = step_device(err, loop, head, frame, t_ns);
-    for (int d = 0; !st && d < ap_timeline_device_count(timeline); d++)
-        if (d != head)
-            st = step_device(err, loop, d, frame, t_ns);
+    enum ap_status st = AP_OK;
+    for (int turn = 0; turn < 3; turn++)
+        for (int d = 0; !st && d < ap_timeline_device_count(timeline); d++)
+            if (turn_of(loop->replay, d) == turn)
+                st = step_device(err, loop, d, frame, t_ns);
     return st;
 }
 
@@ -254,7 +262,7 @@ static void close_loop(struct loop *loop) {
 }
 
 enum ap_status ap_replay_run(struct ap_error *err, struct ap_replay *replay) {
-    struct loop loop = {.replay = replay};
+    struct loop loop = {.replay = replay, .input.viewer.world_from_nose = AP_ISO_IDENTITY};
     struct sigaction act = {.sa_handler = on_interrupt};
     interrupt_asked = 0;
     sigaction(SIGINT, &act, NULL);

@@ -32,7 +32,9 @@ static enum ap_status open_scene(struct ap_error *err, const struct ap_room_opti
 
 static enum ap_status open_tracker(struct ap_error *err, const struct ap_room_options *o,
                                    struct ap_room *room) {
-    const char *name = o->tracker ? o->tracker : room->scene->has_table ? "billiards" : "anchor";
+    const char *name = o->tracker                             ? o->tracker
+                       : room->scene->has_table && !o->anchor ? "billiards"
+                                                              : "anchor";
     enum ap_tracker_kind kind;
     enum ap_status st = ap_tracker_kind_from_name(err, name, &kind);
     if (st)
@@ -45,7 +47,8 @@ static enum ap_status open_tracker(struct ap_error *err, const struct ap_room_op
                                          .radius_m = room->scene->space.rho_m,
                                          .tracker = kind,
                                          .table_edge_m = o->table_edge_m,
-                                         .table_height_m = room->has_table ? height_m : 0};
+                                         .table_height_m = room->has_table ? height_m : 0,
+                                         .anchor = o->anchor};
     st = ap_track_setup(err, &setup, &room->tracker_params);
     return st ? st : ap_tracker_create(err, &room->tracker_params, &room->tracker);
 }

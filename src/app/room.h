@@ -11,8 +11,8 @@
 // the viewer that the eyes make of the head's virtual pose.
 
 struct ap_room_options {
-    const char *space, *scene, *tracker, *view;    // NULL: not given
-    double radius_m, table_edge_m, table_height_m; // NAN: not given
+    const char *space, *scene, *tracker, *anchor, *view; // NULL: not given
+    double radius_m, table_edge_m, table_height_m;       // NAN: not given
 };
 
 #define AP_ROOM_OPTIONS_NONE                                                                       \
@@ -26,6 +26,8 @@ struct ap_room_options {
          "each distance as it is, or eyes in the curved space"},                                   \
         {"tracker", AP_OPTION_CHOICE, &(o).tracker, "billiards|anchor|naive",                      \
          "default billiards with a table, else anchor"},                                           \
+        {"anchor", AP_OPTION_TEXT, &(o).anchor, "DEVICE",                                          \
+         "of the anchor tracker: head, left, right, hands or a name (head)"},                      \
         {"scene", AP_OPTION_TEXT, &(o).scene, "FILE", "a scene (default: the billiards room)"},    \
         {"table-edge", AP_OPTION_NUMBER, &(o).table_edge_m, "M",                                   \
          "edge of the real square table (0.9)"},                                                   \

@@ -20,12 +20,13 @@ static const char help[] =
     "the device to the virtual world, 17 significant digits.\n"
     "LOG is [head=|left=|right=|NAME=]FILE, '-' for standard input: the program's own CSV, TUM,\n"
     "EuRoC or a raw HID recording, told by its content. Without a role TUM and EuRoC are the head.\n"
-    "A hand's samples before the head's first give no row (but in 'naive'); a warning counts them.\n"
+    "A hand's samples before the head's first give no row (but in 'naive'), nor do those of others\n"
+    "before the anchor's first; a warning counts them.\n"
     "Radius: --radius, else the table's for its edge (s3, h3), else 1.\n"
     "Exit statuses: 0; 2 usage; 3 a log that cannot be read; 4 the output cannot be written.";
 
 struct options {
-    const char *space, *tracker;
+    const char *space, *tracker, *anchor;
     double radius_m, table_edge_m, table_height_m;
     struct ap_log_options logs;
 };
@@ -37,6 +38,8 @@ static enum ap_status parse(struct ap_error *err, int argc, char **argv, struct 
         {"radius", AP_OPTION_NUMBER, &o->radius_m, "M", "its radius in metres"},
         {"tracker", AP_OPTION_CHOICE, &o->tracker, "billiards|anchor|naive",
          "what the body hangs on (billiards)"},
+        {"anchor", AP_OPTION_TEXT, &o->anchor, "DEVICE",
+         "of the anchor tracker: head, left, right, hands or a name (head)"},
         {"table-edge", AP_OPTION_NUMBER, &o->table_edge_m, "M",
          "edge of the physical and the virtual table (0.9)"},
         {"table-height", AP_OPTION_NUMBER, &o->table_height_m, "M",
@@ -58,7 +61,8 @@ static enum ap_status open_tracker(struct ap_error *err, const struct options *o
     struct ap_track_setup setup = {.space = o->space,
                                    .radius_m = o->radius_m,
                                    .table_edge_m = o->table_edge_m,
-                                   .table_height_m = o->table_height_m};
+                                   .table_height_m = o->table_height_m,
+                                   .anchor = o->anchor};
     struct ap_tracker_params params;
     enum ap_status st = ap_tracker_kind_from_name(err, o->tracker, &setup.tracker);
     if (!st)
@@ -109,16 +113,19 @@ static enum ap_status write_rows(struct ap_error *err, struct ap_poselog *log,
     return st;
 }
 
-static void warn(const struct ap_poselog *log, const struct ap_tracker *tracker) {
+static void warn(const struct ap_poselog *log, const struct ap_tracker *tracker,
+                 const char *anchor) {
     int64_t dropped = ap_tracker_dropped(tracker);
-    bool has_head = false;
+    const char *lead = anchor ? anchor : "head";
+    bool has_lead = strcmp(lead, "hands") == 0;
     for (int i = 0; i < ap_poselog_device_count(log); i++)
-        has_head = has_head || strcmp(ap_poselog_device_name(log, i), "head") == 0;
+        has_lead = has_lead || strcmp(ap_poselog_device_name(log, i), lead) == 0;
     if (dropped > 0)
-        ap_log(AP_LOG_WARNING,
-               "track: %" PRId64 " hand sample%s before the head's first gave no row%s", dropped,
-               dropped == 1 ? "" : "s",
-               has_head ? "" : "; the logs have no device 'head' (head=FILE names it)");
+        ap_log(AP_LOG_WARNING, "track: %" PRId64 " %ssample%s before the %s gave no row%s%s%s%s%s",
+               dropped, anchor ? "" : "hand ", dropped == 1 ? "" : "s",
+               anchor ? "anchor's first" : "head's first",
+               has_lead ? "" : "; the logs have no device '", has_lead ? "" : lead,
+               has_lead ? "" : "' (", has_lead ? "" : lead, has_lead ? "" : "=FILE names it)");
     ap_logs_warn_skipped(log);
 }
 
@@ -144,7 +151,7 @@ static enum ap_status run_track(struct ap_error *err, int argc, char **argv) {
     st = write_rows(err, log, tracker);
     if (fflush(stdout) != 0 && !st)
         st = write_failed(err);
-    warn(log, tracker);
+    warn(log, tracker, o.anchor);
 out:
     ap_poselog_close(log);
     ap_tracker_destroy(tracker);

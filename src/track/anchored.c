@@ -24,3 +24,13 @@ struct ap_iso ap_anchored_place(const struct ap_anchored *anchored,
     ap_wide_move(anchored->space, &offset, &place);
     return place.hi;
 }
+
+void ap_anchored_carry(struct ap_anchored *anchored, struct ap_pose room_from_grip,
+                       struct ap_pose motion) {
+    const struct ap_vec3 zero = {0, 0, 0};
+    struct ap_motion grip = ap_motion_between(anchored->room_from_anchor, room_from_grip);
+    struct ap_motion way = ap_motion_from(zero, motion);
+    ap_wide_move(anchored->space, &grip, &anchored->world_from_anchor);
+    ap_wide_move(anchored->space, &way, &anchored->world_from_anchor);
+    ap_wide_unmove(anchored->space, &grip, &anchored->world_from_anchor);
+}

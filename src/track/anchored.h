@@ -41,4 +41,14 @@ void ap_anchored_move(struct ap_anchored *anchored, struct ap_pose room_from_anc
 struct ap_iso ap_anchored_place(const struct ap_anchored *anchored,
                                 struct ap_pose room_from_device);
 
+// Going where the room does not reach (flying, turning in jumps, teleporting): nothing moves in the
+// room, and everything moves in the world as if a device at `room_from_grip` had been moved by
+// `motion` in its own frame. V ← V·g·m·g⁻¹ with g the grip in the anchor's frame, each of them
+// translate(p)·rotate(q). Coherent: what stands to the anchor as it did, still does. To fly, grip
+// the head and translate; to turn about oneself, grip the point of the head with the room's axes
+// and rotate about +y; to go to the far end of a geodesic pointed out by a hand, grip the hand and
+// translate along its −z.
+void ap_anchored_carry(struct ap_anchored *anchored, struct ap_pose room_from_grip,
+                       struct ap_pose motion);
+
 #endif

@@ -159,6 +159,17 @@ void ap_wide_move(struct ap_space space, const struct ap_motion *motion, struct 
     ap_wide_turn(motion->r, m);
 }
 
+void ap_wide_unmove(struct ap_space space, const struct ap_motion *motion, struct ap_wide_iso *m) {
+    struct ap_motion back;
+    for (int i = 0; i < 3; i++) {
+        back.p_m[i] = ap_dd_neg(motion->p_m[i]);
+        for (int j = 0; j < 3; j++)
+            back.r[i][j] = motion->r[j][i];
+    }
+    ap_wide_turn(((const struct ap_motion *)&back)->r, m);
+    ap_wide_translate(space, back.p_m, m);
+}
+
 bool ap_iso_is_finite(const struct ap_iso *m) {
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++)

@@ -33,6 +33,9 @@ void ap_wide_turn(const struct ap_dd r[3][3], struct ap_wide_iso *m);
 // m·translate(p)·rotate(r).
 void ap_wide_move(struct ap_space space, const struct ap_motion *motion, struct ap_wide_iso *m);
 
+// m·(translate(p)·rotate(r))⁻¹.
+void ap_wide_unmove(struct ap_space space, const struct ap_motion *motion, struct ap_wide_iso *m);
+
 // False where an entry overflowed: too far out in h3, or a motion that is not finite.
 bool ap_iso_is_finite(const struct ap_iso *m);
 

@@ -26,6 +26,21 @@ static enum ap_status edge_of_given_radius(struct ap_error *err, const struct ap
     return check_length(err, "table's edge", fits_m);
 }
 
+static enum ap_status check_anchor(struct ap_error *err, const struct ap_track_setup *setup) {
+    if (!setup->anchor)
+        return AP_OK;
+    if (setup->tracker != AP_TRACKER_ANCHOR)
+        return ap_fail(err, AP_USAGE,
+                       "--anchor %.64s goes with --tracker anchor: '%s' has no anchor to choose",
+                       setup->anchor, ap_tracker_kind_name(setup->tracker));
+    size_t length = strlen(setup->anchor);
+    if (length == 0 || length >= sizeof((struct ap_tracker_params *)0)->anchor)
+        return ap_fail(err, AP_USAGE,
+                       "--anchor: expected head, left, right, hands or the name of "
+                       "a device, at most 63 bytes");
+    return AP_OK;
+}
+
 enum ap_status ap_track_setup(struct ap_error *err, const struct ap_track_setup *setup,
                               struct ap_tracker_params *params) {
     bool has_radius = !isnan(setup->radius_m), has_edge = !isnan(setup->table_edge_m);
@@ -35,6 +50,8 @@ enum ap_status ap_track_setup(struct ap_error *err, const struct ap_track_setup 
         ap_space_from_name(err, setup->space, has_radius ? setup->radius_m : 1, &space);
     if (!status)
         status = check_length(err, "table's edge", edge_m);
+    if (!status)
+        status = check_anchor(err, setup);
     if (!status && !isfinite(setup->table_height_m))
         status = ap_fail(err, AP_USAGE, "the table's height must be finite");
     if (status)
@@ -51,6 +68,8 @@ enum ap_status ap_track_setup(struct ap_error *err, const struct ap_track_setup 
                                          .space = space,
                                          .table_height_m = setup->table_height_m,
                                          .table_edge_m = edge_m};
+    if (setup->anchor)
+        memcpy(params->anchor, setup->anchor, strlen(setup->anchor));
     return AP_OK;
 }
 

@@ -14,12 +14,14 @@ struct ap_track_setup {
     enum ap_tracker_kind tracker;
     double table_edge_m; // NAN: not given
     double table_height_m;
+    const char *anchor; // of the anchor tracker: a device, or "hands"; NULL: the head
 };
 
 // The radius: the given one, else the table's for the edge (s3, h3), else 1 m. The edge: the given
 // one, else, in s3 and h3, the one that fits a given radius, else 0.9 m; with billiards in s3 and
 // h3 a given radius sets it, and a given edge that differs by more than 1e-9 m is AP_USAGE, as is a
-// number that is not finite or not > 0 (the height may be any finite number).
+// number that is not finite or not > 0 (the height may be any finite number), and an anchor for
+// another tracker or of more than 63 bytes.
 enum ap_status ap_track_setup(struct ap_error *err, const struct ap_track_setup *setup,
                               struct ap_tracker_params *params);
 

@@ -16,9 +16,11 @@ struct device {
 
 struct ap_tracker {
     struct ap_tracker_params params;
-    bool has_head;
+    bool has_lead; // what the others are placed by has been seen
     int64_t dropped;
-    struct ap_anchored head;   // anchor
+    struct ap_anchored anchored; // anchor
+    struct ap_pose hand[2];      // anchor "hands"
+    bool has_hand[2];
     struct ap_perimeter c;     // billiards: the head's
     struct ap_billiards table; // billiards
     struct device *devices;    // naive
@@ -154,37 +156,94 @@ static enum ap_status feed_naive(struct ap_error *err, struct ap_tracker *t, con
     return AP_OK;
 }
 
+static bool is_hands(const struct ap_tracker *t) {
+    return strcmp(t->params.anchor, "hands") == 0;
+}
+
+static bool is_hand(const char *name) {
+    return strcmp(name, "left") == 0 || strcmp(name, "right") == 0;
+}
+
+bool ap_tracker_leads(const struct ap_tracker *t, const char *device) {
+    if (t->params.kind == AP_TRACKER_NAIVE)
+        return false;
+    if (t->params.kind == AP_TRACKER_BILLIARDS || !t->params.anchor[0])
+        return strcmp(device, "head") == 0;
+    return is_hands(t) ? is_hand(device) : strcmp(device, t->params.anchor) == 0;
+}
+
+// The middle of two poses, facing half way between them.
+static struct ap_pose middle_of(struct ap_pose a, struct ap_pose b) {
+    double sign = a.q.x * b.q.x + a.q.y * b.q.y + a.q.z * b.q.z + a.q.w * b.q.w < 0 ? -1 : 1;
+    struct ap_quat q = {a.q.x + sign * b.q.x, a.q.y + sign * b.q.y, a.q.z + sign * b.q.z,
+                        a.q.w + sign * b.q.w};
+    return (struct ap_pose){ap_vec3_scale(0.5, ap_vec3_add(a.p, b.p)), ap_quat_normalize(q)};
+}
+
+// The anchor moves to `pose`, or starts there.
+static struct ap_anchored anchored_at(const struct ap_tracker *t, struct ap_pose pose) {
+    struct ap_anchored next = t->anchored;
+    if (t->has_lead)
+        ap_anchored_move(&next, pose);
+    else
+        ap_anchored_init(&next, t->params.space, base_point(t), pose);
+    return next;
+}
+
 static enum ap_status feed_anchor(struct ap_error *err, struct ap_tracker *t, const char *name,
-                                  bool is_head, struct ap_pose pose, struct ap_iso *out) {
-    struct ap_iso place;
-    struct ap_anchored next = t->head;
-    if (!is_head) {
-        place = ap_anchored_place(&t->head, pose);
-    } else {
-        if (t->has_head)
-            ap_anchored_move(&next, pose);
-        else
-            ap_anchored_init(&next, t->params.space, base_point(t), pose);
-        place = next.world_from_anchor.hi;
-    }
+                                  bool leads, struct ap_pose pose, struct ap_iso *out) {
+    struct ap_anchored next = t->anchored;
+    if (leads)
+        next = anchored_at(t, pose);
+    struct ap_iso place = leads ? next.world_from_anchor.hi : ap_anchored_place(&next, pose);
     if (!ap_iso_is_finite(&place))
         return too_far(err, t, name);
-    t->head = next;
+    t->anchored = next;
     *out = place;
     return AP_OK;
 }
 
+// "hands": each sample of either moves the middle of both.
+static enum ap_status feed_hands(struct ap_error *err, struct ap_tracker *t, const char *name,
+                                 struct ap_pose pose, struct ap_iso *out) {
+    int h = strcmp(name, "right") == 0;
+    struct ap_anchored next = anchored_at(t, middle_of(pose, t->hand[!h]));
+    struct ap_iso place = ap_anchored_place(&next, pose);
+    if (!ap_iso_is_finite(&place))
+        return too_far(err, t, name);
+    t->anchored = next;
+    t->hand[h] = pose;
+    *out = place;
+    return AP_OK;
+}
+
+// False: the sample of a hand is only remembered, the other one has not been seen.
+static bool both_hands(struct ap_tracker *t, const char *name, struct ap_pose pose) {
+    int h = strcmp(name, "right") == 0;
+    if (t->has_lead || t->has_hand[!h])
+        return true;
+    t->hand[h] = pose;
+    t->has_hand[h] = true;
+    return false;
+}
+
 // Straight above the centre a device has the coordinate it is compared with: the head its previous
 // one, a hand the head's.
+static struct ap_perimeter perimeter_of(const struct ap_tracker *t, bool leads,
+                                        struct ap_pose pose) {
+    struct ap_perimeter at;
+    if (!ap_perimeter_of(pose.p.x, pose.p.z, &at))
+        return t->c;
+    return leads && !t->has_lead ? at : ap_perimeter_unwrap(t->c, at);
+}
+
 static enum ap_status feed_billiards(struct ap_error *err, struct ap_tracker *t, const char *name,
-                                     bool is_head, struct ap_pose pose, struct ap_iso *out) {
-    struct ap_perimeter c = t->c, at;
-    if (ap_perimeter_of(pose.p.x, pose.p.z, &at))
-        c = is_head && !t->has_head ? at : ap_perimeter_unwrap(t->c, at);
+                                     bool leads, struct ap_pose pose, struct ap_iso *out) {
+    struct ap_perimeter c = perimeter_of(t, leads, pose);
     struct ap_iso place = ap_billiards_place(&t->table, c, pose);
     if (!ap_iso_is_finite(&place))
         return too_far(err, t, name);
-    if (is_head)
+    if (leads)
         t->c = c;
     *out = place;
     return AP_OK;
@@ -193,9 +252,11 @@ static enum ap_status feed_billiards(struct ap_error *err, struct ap_tracker *t,
 enum ap_status ap_tracker_feed(struct ap_error *err, struct ap_tracker *tracker, const char *device,
                                struct ap_pose table_from_device, bool *has_row,
                                struct ap_iso *world_from_device) {
-    bool is_head = strcmp(device, "head") == 0;
     enum ap_tracker_kind kind = tracker->params.kind;
-    if (kind != AP_TRACKER_NAIVE && !is_head && !tracker->has_head) {
+    bool leads = ap_tracker_leads(tracker, device);
+    bool hands = leads && kind == AP_TRACKER_ANCHOR && is_hands(tracker);
+    if ((kind != AP_TRACKER_NAIVE && !leads && !tracker->has_lead) ||
+        (hands && !both_hands(tracker, device, table_from_device))) {
         tracker->dropped++;
         *has_row = false;
         return AP_OK;
@@ -204,15 +265,61 @@ enum ap_status ap_tracker_feed(struct ap_error *err, struct ap_tracker *tracker,
     enum ap_status status;
     if (kind == AP_TRACKER_NAIVE)
         status = feed_naive(err, tracker, device, table_from_device, &out);
-    else if (kind == AP_TRACKER_ANCHOR)
-        status = feed_anchor(err, tracker, device, is_head, table_from_device, &out);
+    else if (kind == AP_TRACKER_BILLIARDS)
+        status = feed_billiards(err, tracker, device, leads, table_from_device, &out);
+    else if (hands)
+        status = feed_hands(err, tracker, device, table_from_device, &out);
     else
-        status = feed_billiards(err, tracker, device, is_head, table_from_device, &out);
+        status = feed_anchor(err, tracker, device, leads, table_from_device, &out);
     if (status)
         return status;
-    tracker->has_head |= is_head;
+    tracker->has_lead |= leads;
     *has_row = true;
     *world_from_device = out;
+    return AP_OK;
+}
+
+// What rests in the room is placed by this: NULL, by the table's edge.
+static const struct ap_anchored *anchor_of_things(const struct ap_tracker *t) {
+    if (t->params.kind == AP_TRACKER_ANCHOR)
+        return t->has_lead ? &t->anchored : NULL;
+    for (size_t i = 0; i < t->device_count; i++)
+        if (strcmp(t->devices[i].name, "head") == 0)
+            return &t->devices[i].anchored;
+    return NULL;
+}
+
+bool ap_tracker_place(const struct ap_tracker *tracker, struct ap_pose table_from_thing,
+                      struct ap_iso *world_from_thing) {
+    const struct ap_anchored *anchored = anchor_of_things(tracker);
+    struct ap_iso place;
+    if (tracker->params.kind == AP_TRACKER_BILLIARDS && tracker->has_lead)
+        place = ap_billiards_place(&tracker->table, perimeter_of(tracker, false, table_from_thing),
+                                   table_from_thing);
+    else if (anchored)
+        place = ap_anchored_place(anchored, table_from_thing);
+    else
+        return false;
+    if (!ap_iso_is_finite(&place))
+        return false;
+    *world_from_thing = place;
+    return true;
+}
+
+enum ap_status ap_tracker_carry(struct ap_error *err, struct ap_tracker *tracker,
+                                struct ap_pose table_from_grip, struct ap_pose motion) {
+    if (tracker->params.kind != AP_TRACKER_ANCHOR)
+        return ap_fail(err, AP_USAGE,
+                       "the tracker '%s' goes only where the visitor walks: take 'anchor' to fly, "
+                       "turn or teleport",
+                       ap_tracker_kind_name(tracker->params.kind));
+    if (!tracker->has_lead)
+        return ap_fail(err, AP_USAGE, "nobody to carry: the anchor has not been seen yet");
+    struct ap_anchored next = tracker->anchored;
+    ap_anchored_carry(&next, table_from_grip, motion);
+    if (!ap_iso_is_finite(&next.world_from_anchor.hi))
+        return too_far(err, tracker, "the visitor");
+    tracker->anchored = next;
     return AP_OK;
 }
 

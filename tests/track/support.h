@@ -26,7 +26,11 @@ static inline struct ap_tracker_params params_of(const char *space, double radiu
                                                  enum ap_tracker_kind kind) {
     struct ap_error err;
     struct ap_tracker_params params;
-    const struct ap_track_setup setup = {space, radius_m, kind, NAN, 0.75};
+    const struct ap_track_setup setup = {.space = space,
+                                         .radius_m = radius_m,
+                                         .tracker = kind,
+                                         .table_edge_m = NAN,
+                                         .table_height_m = 0.75};
     if (ap_track_setup(&err, &setup, &params))
         fail_msg("%s", err.text);
     return params;

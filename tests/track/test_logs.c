@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "src/device/poselog.h"
+#include "tests/track/continuity.h"
 #include "tests/track/support.h"
 
 // Whole recordings of real people against the twin, sample by sample. They lie outside the
@@ -76,8 +77,11 @@ static void run(const struct recording *r, const char *space, double radius_m,
     struct ap_error err;
     struct ap_tracker_params params;
     const double edge_m = strcmp(space, "s3") == 0 ? r->s3_edge_m : r->h3_edge_m;
-    const struct ap_track_setup setup = {space, radius_m, kind, isnan(radius_m) ? edge_m : NAN,
-                                         0.75};
+    const struct ap_track_setup setup = {.space = space,
+                                         .radius_m = radius_m,
+                                         .tracker = kind,
+                                         .table_edge_m = isnan(radius_m) ? edge_m : NAN,
+                                         .table_height_m = 0.75};
     if (ap_track_setup(&err, &setup, &params))
         fail_msg("%s", err.text);
     struct pair pair = pair_of(&params);
@@ -128,6 +132,52 @@ static void far_drift(void **state) {
     run(&beat_saber, "h3", NAN, AP_TRACKER_NAIVE, 16000);
 }
 
+// What a player sees in a real room: a step of head or hands is a step in the world, bounded by
+// what the place stretches; the hand jumps where it passes two edges from the head, and nothing
+// else.
+static void follow(const struct recording *r, const char *space) {
+    struct ap_error err;
+    struct ap_tracker_params params;
+    const double edge_m = strcmp(space, "s3") == 0 ? r->s3_edge_m : r->h3_edge_m;
+    const struct ap_track_setup setup = {.space = space,
+                                         .radius_m = NAN,
+                                         .tracker = AP_TRACKER_BILLIARDS,
+                                         .table_edge_m = edge_m,
+                                         .table_height_m = 0.75};
+    if (ap_track_setup(&err, &setup, &params))
+        fail_msg("%s", err.text);
+    struct continuity k = continuity_of(&params);
+    char paths[3][1024];
+    struct ap_poselog *log = open_recording(r, paths);
+    for (;;) {
+        struct ap_sample sample;
+        bool got;
+        if (ap_poselog_next(&err, log, &sample, &got))
+            fail_msg("%s", err.text);
+        if (!got)
+            break;
+        const char *name = ap_poselog_device_name(log, sample.device);
+        continuity_feed(&k,
+                        strcmp(name, "head") == 0   ? 0
+                        : strcmp(name, "left") == 0 ? 1
+                                                    : 2,
+                        sample.pose);
+    }
+    ap_poselog_close(log);
+    assert_true(k.steps > 1000);
+    continuity_finish(&k, r->name);
+}
+
+static void nothing_else_jumps(void **state) {
+    (void)state;
+    static const char *const spaces[] = {"s3", "e3", "h3"};
+    static const struct recording *const recordings[] = {&vive_room, &vive_across, &desk_walk,
+                                                         &beat_saber};
+    for (int s = 0; s < 3; s++)
+        for (int r = 0; r < 4; r++)
+            follow(recordings[r], spaces[s]);
+}
+
 int main(void) {
     folder = getenv("ANTIPODE_SHARED");
     if (!folder) {
@@ -138,6 +188,7 @@ int main(void) {
         cmocka_unit_test(head_and_hands),
         cmocka_unit_test(walk_round_the_desk),
         cmocka_unit_test(far_drift),
+        cmocka_unit_test(nothing_else_jumps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

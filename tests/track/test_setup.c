@@ -7,7 +7,11 @@
 static enum ap_status setup(struct ap_error *err, const char *space, double radius_m,
                             enum ap_tracker_kind kind, double edge_m,
                             struct ap_tracker_params *params) {
-    const struct ap_track_setup s = {space, radius_m, kind, edge_m, 0.75};
+    const struct ap_track_setup s = {.space = space,
+                                     .radius_m = radius_m,
+                                     .tracker = kind,
+                                     .table_edge_m = edge_m,
+                                     .table_height_m = 0.75};
     *err = (struct ap_error){""};
     return ap_track_setup(err, &s, params);
 }
@@ -60,8 +64,24 @@ static void refusals(void **state) {
     assert_int_equal(setup(&err, "h3", NAN, AP_TRACKER_NAIVE, -0.9, &p), AP_USAGE);
     assert_int_equal(setup(&err, "e3", NAN, AP_TRACKER_BILLIARDS, INFINITY, &p), AP_USAGE);
     assert_int_equal(setup(&err, "h4", NAN, AP_TRACKER_NAIVE, NAN, &p), AP_USAGE);
-    const struct ap_track_setup no_height = {"h3", NAN, AP_TRACKER_NAIVE, NAN, NAN};
+    const struct ap_track_setup no_height = {
+        .space = "h3", .radius_m = NAN, .table_edge_m = NAN, .table_height_m = NAN};
     assert_int_equal(ap_track_setup(&err, &no_height, &p), AP_USAGE);
+    struct ap_track_setup anchored = {.space = "h3",
+                                      .radius_m = NAN,
+                                      .tracker = AP_TRACKER_ANCHOR,
+                                      .table_edge_m = NAN,
+                                      .anchor = "left"};
+    assert_int_equal(ap_track_setup(&err, &anchored, &p), AP_OK);
+    assert_string_equal(p.anchor, "left");
+    anchored.anchor =
+        "a name of more than sixty-three bytes, which no device in any log will ever have";
+    assert_int_equal(ap_track_setup(&err, &anchored, &p), AP_USAGE);
+    anchored.anchor = "";
+    assert_int_equal(ap_track_setup(&err, &anchored, &p), AP_USAGE);
+    anchored.anchor = "head";
+    anchored.tracker = AP_TRACKER_NAIVE;
+    assert_int_equal(ap_track_setup(&err, &anchored, &p), AP_USAGE);
 }
 
 static void names(void **state) {
