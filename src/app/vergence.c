@@ -72,22 +72,11 @@ static double azimuth(struct ap_vec3 d) {
 // The exact direction in VIEW axes, in front or behind; false where it is undefined.
 static bool exact_direction(const struct ap_viewer *v, int e, struct ap_nose_point p, int image,
                             struct ap_vec3 *direction) {
-    if (p.x.x == 0 && p.x.y == 0 && p.x.z == 0)
+    struct ap_vec3 line;
+    bool undefined = p.x.x == 0 && p.x.y == 0 && p.x.z == 0;
+    if (undefined || !ap_sight_line(v, e, p, image, &line))
         return false;
-    struct ap_pose view_from_eye = v->eye[e].view_from_eye;
-    struct ap_vec3 d;
-    if (v->mode == AP_VIEW_NATIVE) {
-        d = ap_vec3_sub(ap_tangent_from_nose(v->space, p, image).x, view_from_eye.p);
-    } else {
-        struct ap_iso eye_from_nose = ap_eye_from_nose(v, e);
-        struct ap_vec4 q = ap_iso_apply(&eye_from_nose, p.x);
-        // The long way round starts in the opposite direction.
-        d = ap_quat_rotate(view_from_eye.q,
-                           ap_vec3_scale(image ? -1 : 1, (struct ap_vec3){q.x, q.y, q.z}));
-    }
-    if (!(ap_vec3_length(d) > 0))
-        return false;
-    *direction = d;
+    *direction = ap_quat_rotate(v->eye[e].view_from_eye.q, line);
     return true;
 }
 

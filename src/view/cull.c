@@ -333,6 +333,39 @@ static void corners_of(const struct ap_viewer *viewer, const struct ap_bounds *b
     }
 }
 
+// Seen by somebody born in another space: the object lies in a ball of tangent space, which exp
+// takes into a ball of hers; there she is a tourist.
+static unsigned visible_to_born(const struct ap_viewer *viewer, const struct ap_bounds *bounds,
+                                int image) {
+    struct sight s = {.space = {viewer->space.kappa, 1}, .image = image};
+    s.radius = fmax(bounds->radius_m, 0) / viewer->space.rho_m;
+    struct polar corners[MAX_CORNERS];
+    struct ap_iso same = AP_ISO_IDENTITY;
+    corners_of(viewer, bounds, &same, corners);
+    struct polar centre = centre_of(s.space, corners, bounds->count);
+    struct piece piece;
+    describe(&s, corners, bounds->count, &centre, &piece);
+    double radius_m = piece.ball_radius * viewer->space.rho_m;
+    struct ap_vec3 middle = ap_vec3_scale(viewer->space.rho_m, piece.ball);
+    double reach_m = radius_m, far = (ap_vec3_length(middle) + reach_m) / viewer->born.rho_m;
+    if (!(far < 300)) // nothing is known; beyond, cosh has no use for a bound
+        return 3;
+    if (viewer->born.kappa < 0 && far > 0)
+        radius_m *= sinh(far) / far; // exp stretches what lies across the line of sight
+    struct ap_vec4 at = ap_exp(viewer->born, middle);
+    struct ap_viewer tourist = *viewer;
+    tourist.space = viewer->born;
+    tourist.mode = AP_VIEW_TOURIST;
+    struct ap_bounds ball = {&at, 1, radius_m * (1 + SLACK)};
+    double near = far - 2 * reach_m / viewer->born.rho_m;
+    unsigned seen = 0;
+    if (viewer->born.kappa <= 0 || near < M_PI + SLACK)
+        seen |= ap_visible_eyes(&tourist, &ball, 0);
+    if (viewer->born.kappa > 0 && far > M_PI - SLACK && near < 2 * M_PI)
+        seen |= ap_visible_eyes(&tourist, &ball, 1);
+    return seen;
+}
+
 unsigned ap_visible_eyes(const struct ap_viewer *viewer, const struct ap_bounds *bounds,
                          int image) {
     if (image != 0 && (image != 1 || viewer->space.kappa <= 0))
@@ -341,6 +374,8 @@ unsigned ap_visible_eyes(const struct ap_viewer *viewer, const struct ap_bounds 
         return 0;
     if (bounds->count > MAX_CORNERS)
         return 3;
+    if (viewer->mode == AP_VIEW_BORN)
+        return visible_to_born(viewer, bounds, image);
     struct sight s = {.space = {viewer->space.kappa, 1}, .image = image};
     s.radius = fmax(bounds->radius_m, 0) / viewer->space.rho_m;
     struct polar corners[MAX_CORNERS];

@@ -16,6 +16,8 @@ struct ball_view {
     struct ap_vec3 u;      // unit
     double d, radius;
     struct ap_iso nose_from_ball; // −z of the ball's frame points roughly at the eye
+    const struct ap_viewer *viewer;
+    int eye_index;
 };
 
 static const double limit_cos = 0.17364817766693035; // cos 80°
@@ -55,6 +57,8 @@ static bool ball_view_init(struct ball_view *v, const struct ap_viewer *viewer, 
     double rho = viewer->space.rho_m;
     struct ap_nose_point nose = ap_nose_from_world(viewer, world_centre);
     v->space = (struct ap_space){viewer->space.kappa, 1};
+    v->viewer = viewer;
+    v->eye_index = eye;
     v->image = image;
     v->radius = radius_m / rho;
     v->eye = ap_vec3_scale(1 / rho, viewer->eye[eye].view_from_eye.p);
@@ -94,11 +98,39 @@ static double turned_away(const struct ball_view *v, struct ap_vec3 q) {
     return ap_vec3_dot(ap_vec3_sub(q, v->eye), grad);
 }
 
+// Where the eye sees a point of tangent space; NaN where it cannot.
+static struct ap_vec3 line_to(const struct ball_view *v, struct ap_vec3 q) {
+    struct ap_vec3 line = {NAN, NAN, NAN};
+    struct ap_tangent_point p = {ap_vec3_scale(v->viewer->space.rho_m, q)};
+    ap_sight_line_of_tangent(v->viewer, v->eye_index, p, &line);
+    return ap_vec3_normalize(line);
+}
+
+// Somebody born in a curved space: her lines of sight are curved in tangent space. The surface
+// turns away where its picture folds over: where the map from it to directions changes orientation.
+// By central differences, whose error does not matter: at a fold the picture stands still.
+static double folded(const struct ball_view *v, double chi, double azimuth) {
+    static const double h = 1e-5;
+    double ca = cos(azimuth), sa = sin(azimuth);
+    struct ap_vec3 at = line_to(v, surface_point(v, chi, ca, sa));
+    struct ap_vec3 down = ap_vec3_sub(line_to(v, surface_point(v, chi + h, ca, sa)),
+                                      line_to(v, surface_point(v, chi - h, ca, sa)));
+    struct ap_vec3 round =
+        ap_vec3_sub(line_to(v, surface_point(v, chi, cos(azimuth + h), sin(azimuth + h))),
+                    line_to(v, surface_point(v, chi, cos(azimuth - h), sin(azimuth - h))));
+    return -ap_vec3_dot(at, ap_vec3_cross(down, round)) / (4 * h * h * sin(chi));
+}
+
+static double away(const struct ball_view *v, double chi, double azimuth, struct ap_vec3 q) {
+    return v->viewer->mode == AP_VIEW_BORN ? folded(v, chi, azimuth) : turned_away(v, q);
+}
+
 // The chi where the meridian leaves the eye's sight: regula falsi (Illinois) within (0, pi).
 static bool outline_point(const struct ball_view *v, double azimuth, struct ap_vec3 *q) {
-    double co = cos(azimuth), so = sin(azimuth), lo = 1e-9, hi = M_PI - 1e-9;
-    double flo = turned_away(v, surface_point(v, lo, co, so));
-    double fhi = turned_away(v, surface_point(v, hi, co, so));
+    double margin = v->viewer->mode == AP_VIEW_BORN ? 1e-3 : 1e-9;
+    double co = cos(azimuth), so = sin(azimuth), lo = margin, hi = M_PI - margin;
+    double flo = away(v, lo, azimuth, surface_point(v, lo, co, so));
+    double fhi = away(v, hi, azimuth, surface_point(v, hi, co, so));
     if (!(flo < 0 && fhi > 0))
         return false;
     int side = 0;
@@ -106,7 +138,7 @@ static bool outline_point(const struct ball_view *v, double azimuth, struct ap_v
     for (int i = 0; i < 100; i++) {
         double mid = (flo * hi - fhi * lo) / (flo - fhi);
         *q = surface_point(v, mid, co, so);
-        double f = turned_away(v, *q);
+        double f = away(v, mid, azimuth, *q);
         if (f == 0 || fabs(mid - before) < 1e-13)
             return true;
         before = mid;
@@ -168,16 +200,22 @@ static void measure(const double *a, const double *b, struct ap_silhouette *out)
     out->max_b = peak(b, 1);
 }
 
-static bool native_outline(const struct ball_view *v, const struct ap_view_eye *eye,
-                           struct ap_silhouette *out) {
+// Whether all of the ball is on one side of her s3's antipode, which is a sphere in tangent space.
+static bool one_way_round(const struct ball_view *v) {
+    struct ap_space born = ap_viewer_born(v->viewer);
+    double stretch = v->space.kappa > 0 ? v->d / fabs(sin(v->d)) : 1;
+    double half = M_PI * born.rho_m / v->viewer->space.rho_m;
+    return born.kappa <= 0 || fabs(v->d - half) > v->radius * fmax(1, stretch);
+}
+
+static bool surface_outline(const struct ball_view *v, struct ap_silhouette *out) {
     double a[OUTLINE], b[OUTLINE];
-    struct ap_quat turn = ap_quat_conj(eye->view_from_eye.q);
     for (int k = 0; k < OUTLINE; k++) {
         struct ap_vec3 q;
         if (!outline_point(v, 2 * M_PI * k / OUTLINE, &q))
             return false;
-        struct ap_vec3 p = ap_quat_rotate(turn, ap_vec3_sub(q, v->eye));
-        if (!(-p.z > limit_cos * ap_vec3_length(p)))
+        struct ap_vec3 p = line_to(v, q);
+        if (!(-p.z > limit_cos))
             return false;
         a[k] = p.x / -p.z;
         b[k] = p.y / -p.z;
@@ -186,6 +224,8 @@ static bool native_outline(const struct ball_view *v, const struct ap_view_eye *
     return true;
 }
 
+// The eye stands at exp of its offset in the space she was born in, and log brings it back: the
+// same tangent point in every view.
 static bool eye_inside(const struct ball_view *v) {
     if (v->image)
         return false; // the eye stands on image 0's side of the antipode
@@ -241,7 +281,7 @@ bool ap_ball_silhouette(const struct ap_viewer *viewer, int eye, struct ap_vec4 
     } else {
         struct ball_view v;
         seen = ball_view_init(&v, viewer, eye, world_centre, radius_m, image) && !eye_inside(&v) &&
-               native_outline(&v, &viewer->eye[eye], &found);
+               one_way_round(&v) && surface_outline(&v, &found);
     }
     if (seen)
         *out = found;

@@ -6,7 +6,9 @@
 // The exact outline of a ball as an eye sees it, in double: the reference that pictures and
 // vergence measurements are held against. In native view an eye's line of sight is straight in
 // tangent space, and a point of it belongs to the ball where its exp is within radius_m of the
-// centre; the outline is found by bracketing along rays. In tourist view it is a cone.
+// centre; the outline is found by bracketing along rays. In tourist view it is a cone. In native-of
+// view lines of sight are curved in tangent space, and the outline is where the picture of the
+// surface folds over.
 struct ap_silhouette {
     double centre_a, centre_b;     // tangents of the direction to the ball's centre
     double centroid_a, centroid_b; // area centroid of the outline in the image plane (tangents)

@@ -1,6 +1,7 @@
 #ifndef ANTIPODE_TESTS_VIEW_RANDOM_H
 #define ANTIPODE_TESTS_VIEW_RANDOM_H
 
+#include <math.h>
 #include <stdint.h>
 
 #include "src/view/view.h"
@@ -43,6 +44,8 @@ static inline struct ap_viewer roll_viewer(struct dice *dice, int kappa, enum ap
         v.eye[e].frustum = (struct ap_frustum){roll(dice, -1.4, -0.5), roll(dice, 0.5, 1.4),
                                                roll(dice, 0.5, 1.3), roll(dice, -1.3, -0.5)};
     }
+    if (mode == AP_VIEW_BORN)
+        v.born = (struct ap_space){(int)floor(roll(dice, -1, 1.999)), roll(dice, 0.3, 3)};
     return v;
 }
 

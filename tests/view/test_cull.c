@@ -127,10 +127,11 @@ static void never_hides_what_is_visible(void **state) {
     int cases = 0;
     for (int kappa = -1; kappa <= 1; kappa++)
         for (int image = 0; image <= (kappa > 0); image++)
-            for (int mode = AP_VIEW_NATIVE; mode <= AP_VIEW_TOURIST; mode++)
+            for (int mode = AP_VIEW_NATIVE; mode <= AP_VIEW_BORN; mode++)
                 for (int shape = BALL; shape < SHAPES; shape++) {
                     struct tally tally = {0};
-                    for (int i = 0; i < CASES; i++, cases++)
+                    int n = mode == AP_VIEW_BORN ? CASES / 6 : CASES;
+                    for (int i = 0; i < n; i++, cases++)
                         one_case(&dice, kappa, (enum ap_view_mode)mode, image, (enum shape)shape,
                                  &tally);
                     double rate = (double)tally.wrong_shown / tally.hidden;
@@ -139,7 +140,8 @@ static void never_hides_what_is_visible(void **state) {
                                   kappa, image, ap_view_mode_name((enum ap_view_mode)mode),
                                   shape_name[shape], tally.shown, tally.hidden, tally.wrong_shown,
                                   100 * rate);
-                    assert_true(rate < 0.02);
+                    // For native-of a ball about the object is all that is tried.
+                    assert_true(rate < (mode == AP_VIEW_BORN ? 0.6 : 0.02));
                 }
     print_message("%d cases\n", cases);
 }

@@ -28,6 +28,11 @@ static double distance_at(const struct sight *s, struct ap_vec3 dir, double t) {
     if (v->mode == AP_VIEW_TOURIST) {
         struct ap_iso nose_from_eye = ap_iso_from_pose(v->space, pose);
         p = ap_iso_apply(&nose_from_eye, ap_exp(v->space, ap_vec3_scale(t, dir)));
+    } else if (v->mode == AP_VIEW_BORN) {
+        // A geodesic of her space, brought back through both maps.
+        struct ap_iso nose_from_eye = ap_iso_from_pose(v->born, pose);
+        p = ap_iso_apply(&nose_from_eye, ap_exp(v->born, ap_vec3_scale(t, dir)));
+        p = ap_exp(v->space, ap_log_unchecked(v->born, p, 0));
     } else {
         p = ap_exp(v->space, ap_pose_apply(pose, ap_vec3_scale(t, dir)));
     }
@@ -42,6 +47,8 @@ static double nearest(const struct sight *s, double a, double b) {
     struct ap_vec3 dir = ap_vec3_normalize((struct ap_vec3){a, b, -1});
     double reach = s->radius * 3 + 0.1, best = INFINITY, at = 0;
     double lo = fmax(s->centre_d - reach, 0), hi = s->centre_d + reach;
+    if (s->viewer->mode == AP_VIEW_BORN && s->viewer->born.kappa > 0)
+        hi = fmin(hi, (M_PI - 0.03) * s->viewer->born.rho_m);
     if (s->viewer->space.kappa > 0) { // the other image is another outline
         double half = M_PI * s->viewer->space.rho_m;
         lo = s->image ? fmax(lo, half) : lo;
@@ -144,12 +151,16 @@ static void outlines_agree_with_lines_of_sight(void **state) {
     (void)state;
     double worst = 0;
     for (size_t i = 0; i < sizeof examples / sizeof *examples; i++)
-        for (int mode = AP_VIEW_NATIVE; mode <= AP_VIEW_TOURIST; mode++) {
-            int eye = (int)i % 2;
+        for (int k = 0; k < 4; k++) {
+            // Two modes, and two that are born in h3 and in s3.
+            int mode = k < 2 ? k : AP_VIEW_BORN, eye = (int)i % 2;
             struct ap_viewer v = viewer_of(examples[i].kappa, (enum ap_view_mode)mode);
+            v.born = (struct ap_space){k == 2 ? -1 : 1, k == 2 ? 0.7 : 1.6};
             struct sight s = sight_of(&v, &examples[i], eye);
             struct ap_silhouette got;
             print_message("example %zu %s\n", i, ap_view_mode_name((enum ap_view_mode)mode));
+            if (k == 3 && (s.image == 1 || s.centre_d + 2 * s.radius > 3.1 * v.born.rho_m))
+                continue; // beyond what her space holds on this side of its antipode
             assert_true(ap_ball_silhouette(&v, eye, s.centre, s.radius, s.image, &got));
             struct ap_silhouette want = by_rays(&s, got.centre_a, got.centre_b);
             double size = sqrt(want.area);
@@ -194,6 +205,33 @@ static void flat_views_agree(void **state) {
     }
     print_message("%d balls, worst difference %.2g of the outline's size\n", count, worst);
     assert_true(count > 500);
+}
+
+// native is native-of e3, tourist native-of the world's own space, outline by outline.
+static void born_at_home_is_the_same(void **state) {
+    (void)state;
+    double worst = 0;
+    int count = 0;
+    for (size_t i = 0; i < sizeof examples / sizeof *examples; i++)
+        for (int mode = AP_VIEW_NATIVE; mode <= AP_VIEW_TOURIST; mode++) {
+            struct ap_viewer v = viewer_of(examples[i].kappa, (enum ap_view_mode)mode), w = v;
+            w.mode = AP_VIEW_BORN;
+            w.born = mode == AP_VIEW_NATIVE ? (struct ap_space){0, 7} : v.space;
+            struct sight s = sight_of(&v, &examples[i], 1);
+            struct ap_silhouette a, b;
+            bool seen = ap_ball_silhouette(&v, 1, s.centre, s.radius, s.image, &a);
+            if (!seen || !ap_ball_silhouette(&w, 1, s.centre, s.radius, s.image, &b))
+                continue;
+            count++;
+            double size = sqrt(a.area);
+            double off = hypot(a.centroid_a - b.centroid_a, a.centroid_b - b.centroid_b) / size;
+            worst = fmax(worst, off);
+            close_to("centroid", off, 0, 1e-7);
+            close_to("area", b.area / a.area, 1, 1e-7);
+            close_to("centre a", b.centre_a, a.centre_a, 1e-11);
+        }
+    print_message("%d outlines, worst difference %.2g of the outline's size\n", count, worst);
+    assert_true(count >= 22);
 }
 
 // Pixel counting, coarse but without any idea of what an outline is.
@@ -244,6 +282,7 @@ static void refuses_what_has_no_outline(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(outlines_agree_with_lines_of_sight),
                                        cmocka_unit_test(flat_views_agree),
+                                       cmocka_unit_test(born_at_home_is_the_same),
                                        cmocka_unit_test(outline_agrees_with_counted_pixels),
                                        cmocka_unit_test(refuses_what_has_no_outline)};
     return cmocka_run_group_tests(tests, NULL, NULL);

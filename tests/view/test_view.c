@@ -98,6 +98,91 @@ static void flat_views_are_the_same(void **state) {
     }
 }
 
+static struct ap_vec3 roll_tangent(struct dice *dice, struct ap_space space) {
+    return ap_vec3_scale(roll(dice, 0.05, 3.0) * space.rho_m, roll_direction(dice));
+}
+
+static double angle_between(struct ap_vec3 a, struct ap_vec3 b) {
+    return atan2(ap_vec3_length(ap_vec3_cross(a, b)), ap_vec3_dot(a, b));
+}
+
+// native is native-of e3, whatever its radius; tourist is native-of the world's own space.
+static void born_at_home_is_native_and_tourist(void **state) {
+    (void)state;
+    struct dice dice = {2021};
+    double worst[2] = {0, 0};
+    for (int i = 0; i < 12000; i++) {
+        int kappa = i % 3 - 1, which = i / 3 % 2, image = kappa > 0 ? i / 6 % 2 : 0;
+        enum ap_view_mode mode = which ? AP_VIEW_TOURIST : AP_VIEW_NATIVE;
+        struct ap_viewer v = roll_viewer(&dice, kappa, mode), w = v;
+        w.mode = AP_VIEW_BORN;
+        w.born = which ? v.space : (struct ap_space){0, roll(&dice, 0.01, 100)};
+        assert_int_equal(ap_view_mode_of(v.space, w.born), kappa == 0 ? AP_VIEW_NATIVE : mode);
+        struct ap_nose_point p = {ap_exp(v.space, roll_tangent(&dice, v.space))};
+        struct ap_vec3 a, b;
+        assert_true(ap_sight_line(&v, i % 2, p, image, &a));
+        assert_true(ap_sight_line(&w, i % 2, p, image, &b));
+        worst[which] = fmax(worst[which], angle_between(a, b));
+        close_to(ap_view_mode_name(mode), angle_between(a, b), 0, 2e-12);
+    }
+    print_message("native-of e3 and native: %.2g rad, of the own space and tourist: %.2g rad\n",
+                  worst[0], worst[1]);
+}
+
+// By another way: what she sees is a point of her own space; the geodesic of that space that leaves
+// her eye along the line of sight comes by it.
+static void born_elsewhere_looks_along_her_geodesics(void **state) {
+    (void)state;
+    struct dice dice = {31};
+    int behind = 0;
+    for (int i = 0; i < 12000; i++) {
+        struct ap_viewer v = roll_viewer(&dice, i % 3 - 1, AP_VIEW_BORN);
+        struct ap_vec3 q = roll_tangent(&dice, v.space), line;
+        struct ap_nose_point p = {ap_exp(v.space, q)};
+        bool seen = ap_sight_line(&v, 0, p, 0, &line);
+        double rho = v.born.rho_m, d = ap_vec3_length(q);
+        assert_int_equal(seen, v.born.kappa <= 0 || d < 2 * M_PI * rho);
+        // Near the antipodes of her nose and her eye all lines pass.
+        if (!seen || (v.born.kappa > 0 && fabs(fmod(d / rho, M_PI) - M_PI / 2) > 1.3))
+            continue;
+        behind += v.born.kappa > 0 && d > M_PI * rho;
+        struct ap_iso nose_from_eye = ap_iso_from_pose(v.born, v.eye[0].view_from_eye);
+        struct ap_vec4 want = ap_exp(v.born, q);
+        struct ap_iso eye_from_nose = ap_iso_inverse(v.born, nose_from_eye);
+        double e;
+        assert_int_equal(ap_distance(NULL, v.born, (struct ap_vec4){0, 0, 0, rho},
+                                     ap_iso_apply(&eye_from_nose, want), &e),
+                         AP_OK);
+        // From the long way round the point is reached after a full turn less its distance.
+        double t = d > M_PI * rho && v.born.kappa > 0 ? 2 * M_PI * rho - e : e;
+        struct ap_vec4 along = ap_exp(v.born, ap_vec3_scale(t, ap_vec3_normalize(line)));
+        struct ap_vec4 got = ap_iso_apply(&nose_from_eye, along);
+        double size = fabs(want.w) + rho;
+        close_to("x", got.x, want.x, 1e-11 * size);
+        close_to("y", got.y, want.y, 1e-11 * size);
+        close_to("z", got.z, want.z, 1e-11 * size);
+    }
+    print_message("%d of them the long way round her own space\n", behind);
+    assert_true(behind > 100);
+}
+
+// She reads a thing at its true distance: the vergence is that of a tourist in her space.
+static void born_reads_the_true_distance(void **state) {
+    (void)state;
+    for (int world = -1; world <= 1; world++)
+        for (int born = -1; born <= 1; born++)
+            for (double d = 0.1; d < 2.4; d += 0.117) {
+                struct ap_viewer v = plain_viewer(world, 0.85, AP_VIEW_BORN, 0.064);
+                v.born = (struct ap_space){born, 1.1};
+                struct ap_nose_point p = {ap_exp(v.space, (struct ap_vec3){0, 0, -d})};
+                struct ap_vec3 line[2];
+                for (int e = 0; e < 2; e++)
+                    assert_true(ap_sight_line(&v, e, p, 0, &line[e]));
+                close_to("vergence", ap_vergence_of(line[0], line[1]),
+                         closed_form(v.born, AP_VIEW_TOURIST, 0.032, d), 1e-13);
+            }
+}
+
 // From the nose both views see along the same geodesics; in s3 the long way round is seen in the
 // opposite direction.
 static void eyes_at_the_nose_agree_and_images_are_opposite(void **state) {
@@ -166,6 +251,9 @@ int main(void) {
         cmocka_unit_test(directions_give_the_closed_forms_of_vergence),
         cmocka_unit_test(native_keeps_every_distance),
         cmocka_unit_test(flat_views_are_the_same),
+        cmocka_unit_test(born_at_home_is_native_and_tourist),
+        cmocka_unit_test(born_elsewhere_looks_along_her_geodesics),
+        cmocka_unit_test(born_reads_the_true_distance),
         cmocka_unit_test(eyes_at_the_nose_agree_and_images_are_opposite),
         cmocka_unit_test(undefined_directions_are_refused),
         cmocka_unit_test(sight_lines_meet_at_the_target),
