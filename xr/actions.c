@@ -4,29 +4,45 @@
 #include <stdio.h>
 #include <string.h>
 
-enum action_id { GRIP, AIM, TRIGGER, SQUEEZE, SELECT, HAPTIC, ACTION_COUNT };
-
-// Which input drives which action, for both hands, after "/user/hand/left" or "…/right".
+// Which input drives which action, after "/user/hand/left" or "…/right". NULL: this controller has
+// none. Where the two hands differ, right_* stands for the right one's.
 struct profile_bindings {
     const char *profile;
-    const char *input[ACTION_COUNT]; // NULL: this controller has none
+    const char *input[AP_XR_ACTION_COUNT];
+    const char *right_primary, *right_secondary;
+    bool menu_left_only;
 };
 
+#define COMMON                                                                                     \
+    [AP_XR_GRIP] = "input/grip/pose", [AP_XR_AIM] = "input/aim/pose",                              \
+    [AP_XR_HAPTIC] = "output/haptic"
+
 static const struct profile_bindings profiles[] = {
-    {"/interaction_profiles/khr/simple_controller",
-     {"input/grip/pose", "input/aim/pose", NULL, NULL, "input/select/click", "output/haptic"}},
-    {"/interaction_profiles/oculus/touch_controller",
-     {"input/grip/pose", "input/aim/pose", "input/trigger/value", "input/squeeze/value",
-      "input/trigger/value", "output/haptic"}},
-    {"/interaction_profiles/valve/index_controller",
-     {"input/grip/pose", "input/aim/pose", "input/trigger/value", "input/squeeze/value",
-      "input/trigger/value", "output/haptic"}},
-    {"/interaction_profiles/htc/vive_controller",
-     {"input/grip/pose", "input/aim/pose", "input/trigger/value", "input/squeeze/click",
-      "input/trigger/click", "output/haptic"}},
-    {"/interaction_profiles/microsoft/motion_controller",
-     {"input/grip/pose", "input/aim/pose", "input/trigger/value", "input/squeeze/click",
-      "input/trigger/value", "output/haptic"}},
+    {.profile = "/interaction_profiles/khr/simple_controller",
+     .input = {COMMON, [AP_XR_SELECT] = "input/select/click", [AP_XR_MENU] = "input/menu/click"}},
+    {.profile = "/interaction_profiles/oculus/touch_controller",
+     .input = {COMMON, [AP_XR_TRIGGER] = "input/trigger/value",
+               [AP_XR_SQUEEZE] = "input/squeeze/value", [AP_XR_SELECT] = "input/trigger/value",
+               [AP_XR_STICK] = "input/thumbstick", [AP_XR_PRIMARY] = "input/x/click",
+               [AP_XR_SECONDARY] = "input/y/click", [AP_XR_MENU] = "input/menu/click"},
+     .right_primary = "input/a/click",
+     .right_secondary = "input/b/click",
+     .menu_left_only = true},
+    {.profile = "/interaction_profiles/valve/index_controller",
+     .input = {COMMON, [AP_XR_TRIGGER] = "input/trigger/value",
+               [AP_XR_SQUEEZE] = "input/squeeze/value", [AP_XR_SELECT] = "input/trigger/value",
+               [AP_XR_STICK] = "input/thumbstick", [AP_XR_PRIMARY] = "input/a/click",
+               [AP_XR_SECONDARY] = "input/b/click", [AP_XR_MENU] = "input/thumbstick/click"}},
+    {.profile = "/interaction_profiles/htc/vive_controller",
+     .input =
+         {COMMON, [AP_XR_TRIGGER] = "input/trigger/value", [AP_XR_SQUEEZE] = "input/squeeze/click",
+          [AP_XR_SELECT] = "input/trigger/click", [AP_XR_STICK] = "input/trackpad",
+          [AP_XR_PRIMARY] = "input/trackpad/click", [AP_XR_MENU] = "input/menu/click"}},
+    {.profile = "/interaction_profiles/microsoft/motion_controller",
+     .input = {COMMON, [AP_XR_TRIGGER] = "input/trigger/value",
+               [AP_XR_SQUEEZE] = "input/squeeze/click", [AP_XR_SELECT] = "input/trigger/value",
+               [AP_XR_STICK] = "input/thumbstick", [AP_XR_PRIMARY] = "input/trackpad/click",
+               [AP_XR_SECONDARY] = "input/thumbstick/click", [AP_XR_MENU] = "input/menu/click"}},
 };
 
 enum { PROFILE_COUNT = sizeof profiles / sizeof profiles[0] };
@@ -49,43 +65,52 @@ static enum ap_status create_action(struct ap_error *err, struct ap_xr *xr, cons
 }
 
 static enum ap_status create_actions(struct ap_error *err, struct ap_xr *xr) {
-    struct ap_xr_actions *a = &xr->actions;
-    const struct {
+    static const struct {
         const char *name, *title;
         XrActionType type;
-        XrAction *action;
-    } list[] = {
-        {"grip", "Where the hand is", XR_ACTION_TYPE_POSE_INPUT, &a->grip},
-        {"aim", "Where the hand points", XR_ACTION_TYPE_POSE_INPUT, &a->aim},
-        {"trigger", "Trigger", XR_ACTION_TYPE_FLOAT_INPUT, &a->trigger},
-        {"squeeze", "Squeeze", XR_ACTION_TYPE_FLOAT_INPUT, &a->squeeze},
-        {"select", "Select", XR_ACTION_TYPE_BOOLEAN_INPUT, &a->select},
-        {"haptic", "Touch", XR_ACTION_TYPE_VIBRATION_OUTPUT, &a->haptic},
+    } list[AP_XR_ACTION_COUNT] = {
+        [AP_XR_GRIP] = {"grip", "Where the hand is", XR_ACTION_TYPE_POSE_INPUT},
+        [AP_XR_AIM] = {"aim", "Where the hand points", XR_ACTION_TYPE_POSE_INPUT},
+        [AP_XR_TRIGGER] = {"trigger", "Trigger", XR_ACTION_TYPE_FLOAT_INPUT},
+        [AP_XR_SQUEEZE] = {"squeeze", "Squeeze", XR_ACTION_TYPE_FLOAT_INPUT},
+        [AP_XR_STICK] = {"stick", "Move and turn", XR_ACTION_TYPE_VECTOR2F_INPUT},
+        [AP_XR_SELECT] = {"select", "Select", XR_ACTION_TYPE_BOOLEAN_INPUT},
+        [AP_XR_PRIMARY] = {"primary", "First button", XR_ACTION_TYPE_BOOLEAN_INPUT},
+        [AP_XR_SECONDARY] = {"secondary", "Second button", XR_ACTION_TYPE_BOOLEAN_INPUT},
+        [AP_XR_MENU] = {"menu", "Menu", XR_ACTION_TYPE_BOOLEAN_INPUT},
+        [AP_XR_HAPTIC] = {"haptic", "Touch", XR_ACTION_TYPE_VIBRATION_OUTPUT},
     };
-    for (int i = 0; i < ACTION_COUNT; i++) {
-        enum ap_status st =
-            create_action(err, xr, list[i].name, list[i].title, list[i].type, list[i].action);
+    for (int i = 0; i < AP_XR_ACTION_COUNT; i++) {
+        enum ap_status st = create_action(err, xr, list[i].name, list[i].title, list[i].type,
+                                          &xr->actions.action[i]);
         if (st)
             return st;
     }
     return AP_OK;
 }
 
+static const char *input_of(const struct profile_bindings *profile, int hand, int action) {
+    if (hand == 1 && action == AP_XR_PRIMARY && profile->right_primary)
+        return profile->right_primary;
+    if (hand == 1 && action == AP_XR_SECONDARY && profile->right_secondary)
+        return profile->right_secondary;
+    if (hand == 1 && action == AP_XR_MENU && profile->menu_left_only)
+        return NULL;
+    return profile->input[action];
+}
+
 static enum ap_status suggest(struct ap_error *err, struct ap_xr *xr,
                               const struct profile_bindings *profile) {
-    const XrAction actions[ACTION_COUNT] = {xr->actions.grip,    xr->actions.aim,
-                                            xr->actions.trigger, xr->actions.squeeze,
-                                            xr->actions.select,  xr->actions.haptic};
     static const char *const hands[2] = {"/user/hand/left", "/user/hand/right"};
-    XrActionSuggestedBinding bindings[2 * ACTION_COUNT];
+    XrActionSuggestedBinding bindings[2 * AP_XR_ACTION_COUNT];
     uint32_t count = 0;
-    for (int i = 0; i < 2 * ACTION_COUNT; i++) {
-        const char *input = profile->input[i / 2];
+    for (int i = 0; i < 2 * AP_XR_ACTION_COUNT; i++) {
+        const char *input = input_of(profile, i % 2, i / 2);
         if (!input)
             continue;
         char text[XR_MAX_PATH_LENGTH];
         snprintf(text, sizeof text, "%s/%s", hands[i % 2], input);
-        bindings[count].action = actions[i / 2];
+        bindings[count].action = xr->actions.action[i / 2];
         enum ap_status st = to_path(err, xr, text, &bindings[count].binding);
         if (st)
             return st;
@@ -110,7 +135,7 @@ static enum ap_status create_spaces(struct ap_error *err, struct ap_xr *xr) {
     for (int i = 0; i < 4; i++) {
         int hand = i / 2;
         XrActionSpaceCreateInfo info = {.type = XR_TYPE_ACTION_SPACE_CREATE_INFO,
-                                        .action = i % 2 ? a->aim : a->grip,
+                                        .action = a->action[i % 2 ? AP_XR_AIM : AP_XR_GRIP],
                                         .subactionPath = a->hand[hand],
                                         .poseInActionSpace = {.orientation = {0, 0, 0, 1}}};
         XrSpace *space = i % 2 ? &a->aim_space[hand] : &a->grip_space[hand];
@@ -147,37 +172,66 @@ enum ap_status ap_xr_actions_create(struct ap_error *err, struct ap_xr *xr) {
                             "xrAttachSessionActionSets");
 }
 
-static enum ap_status read_float(struct ap_error *err, struct ap_xr *xr, XrAction action, int hand,
-                                 float *value) {
-    XrActionStateGetInfo get = {.type = XR_TYPE_ACTION_STATE_GET_INFO,
-                                .action = action,
-                                .subactionPath = xr->actions.hand[hand]};
+// The first failure stays; what follows it reads as rest.
+struct reading {
+    struct ap_error *err;
+    enum ap_status st;
+    struct ap_xr *xr;
+    XrActionStateGetInfo get;
+};
+
+static XrActionStateGetInfo *about(struct reading *r, enum ap_xr_action action) {
+    r->get.action = r->xr->actions.action[action];
+    return &r->get;
+}
+
+static float read_float(struct reading *r, enum ap_xr_action action) {
     XrActionStateFloat state = {.type = XR_TYPE_ACTION_STATE_FLOAT};
-    enum ap_status st = ap_xr_check(err, xr, ap_xrl.GetActionStateFloat(xr->session, &get, &state),
-                                    "xrGetActionStateFloat");
-    if (!st)
-        *value = state.isActive ? fminf(fmaxf(state.currentState, 0), 1) : 0;
-    return st;
+    if (!r->st)
+        r->st = ap_xr_check(r->err, r->xr,
+                            ap_xrl.GetActionStateFloat(r->xr->session, about(r, action), &state),
+                            "xrGetActionStateFloat");
+    return !r->st && state.isActive ? fminf(fmaxf(state.currentState, 0), 1) : 0;
+}
+
+static bool read_bool(struct reading *r, enum ap_xr_action action) {
+    XrActionStateBoolean state = {.type = XR_TYPE_ACTION_STATE_BOOLEAN};
+    if (!r->st)
+        r->st = ap_xr_check(r->err, r->xr,
+                            ap_xrl.GetActionStateBoolean(r->xr->session, about(r, action), &state),
+                            "xrGetActionStateBoolean");
+    return !r->st && state.isActive && state.currentState;
+}
+
+static XrVector2f read_vector(struct reading *r, enum ap_xr_action action) {
+    XrActionStateVector2f state = {.type = XR_TYPE_ACTION_STATE_VECTOR2F};
+    if (!r->st)
+        r->st = ap_xr_check(r->err, r->xr,
+                            ap_xrl.GetActionStateVector2f(r->xr->session, about(r, action), &state),
+                            "xrGetActionStateVector2f");
+    return !r->st && state.isActive ? state.currentState : (XrVector2f){0, 0};
 }
 
 static enum ap_status read_hand(struct ap_error *err, struct ap_xr *xr, XrTime time, int hand,
                                 struct ap_xr_hand *out) {
     struct ap_xr_actions *a = &xr->actions;
-    enum ap_status st = ap_xr_locate(err, xr, a->grip_space[hand], time, &out->grip);
-    if (!st)
-        st = ap_xr_locate(err, xr, a->aim_space[hand], time, &out->aim);
-    if (!st)
-        st = read_float(err, xr, a->trigger, hand, &out->trigger);
-    if (!st)
-        st = read_float(err, xr, a->squeeze, hand, &out->squeeze);
-    XrActionStateGetInfo get = {
-        .type = XR_TYPE_ACTION_STATE_GET_INFO, .action = a->select, .subactionPath = a->hand[hand]};
-    XrActionStateBoolean select = {.type = XR_TYPE_ACTION_STATE_BOOLEAN};
-    if (!st)
-        st = ap_xr_check(err, xr, ap_xrl.GetActionStateBoolean(xr->session, &get, &select),
-                         "xrGetActionStateBoolean");
-    out->select = !st && select.isActive && select.currentState;
-    return st;
+    struct reading r = {
+        .err = err,
+        .xr = xr,
+        .get = {.type = XR_TYPE_ACTION_STATE_GET_INFO, .subactionPath = a->hand[hand]}};
+    r.st = ap_xr_locate(err, xr, a->grip_space[hand], time, &out->grip);
+    if (!r.st)
+        r.st = ap_xr_locate(err, xr, a->aim_space[hand], time, &out->aim);
+    out->trigger = read_float(&r, AP_XR_TRIGGER);
+    out->squeeze = read_float(&r, AP_XR_SQUEEZE);
+    XrVector2f stick = read_vector(&r, AP_XR_STICK);
+    out->stick_x = fminf(fmaxf(stick.x, -1), 1);
+    out->stick_y = fminf(fmaxf(stick.y, -1), 1);
+    out->select = read_bool(&r, AP_XR_SELECT);
+    out->primary = read_bool(&r, AP_XR_PRIMARY);
+    out->secondary = read_bool(&r, AP_XR_SECONDARY);
+    out->menu = read_bool(&r, AP_XR_MENU);
+    return r.st;
 }
 
 enum ap_status ap_xr_actions_read(struct ap_error *err, struct ap_xr *xr, XrTime time,
@@ -202,7 +256,7 @@ enum ap_status ap_xr_haptic(struct ap_error *err, struct ap_xr *xr, int hand, do
                                .frequency = XR_FREQUENCY_UNSPECIFIED,
                                .amplitude = (float)fmin(fmax(amplitude, 0), 1)};
     XrHapticActionInfo info = {.type = XR_TYPE_HAPTIC_ACTION_INFO,
-                               .action = xr->actions.haptic,
+                               .action = xr->actions.action[AP_XR_HAPTIC],
                                .subactionPath = xr->actions.hand[hand]};
     return ap_xr_check(
         err, xr, ap_xrl.ApplyHapticFeedback(xr->session, &info, (const XrHapticBaseHeader *)&pulse),

@@ -30,6 +30,8 @@ void ap_xr_destroy(struct ap_xr *xr) {
         return;
     if (xr->vk_device)
         vkDeviceWaitIdle(xr->vk_device);
+    for (int i = 0; i < AP_XR_MAX_PANELS; i++)
+        ap_xr_panel_destroy(xr->panel[i]);
     // Children go with their parents: spaces and swapchains with the session, actions with the set.
     if (xr->session)
         ap_xrl.DestroySession(xr->session);
@@ -65,6 +67,18 @@ const char *ap_xr_system_name(const struct ap_xr *xr) {
 
 bool ap_xr_has_stage(const struct ap_xr *xr) {
     return xr->has_stage;
+}
+
+bool ap_xr_stage_bounds(struct ap_xr *xr, double *width_m, double *depth_m) {
+    XrExtent2Df bounds;
+    if (!xr->has_stage || ap_xrl.GetReferenceSpaceBoundsRect(
+                              xr->session, XR_REFERENCE_SPACE_TYPE_STAGE, &bounds) != XR_SUCCESS)
+        return false;
+    if (!(bounds.width > 0) || !(bounds.height > 0))
+        return false;
+    *width_m = bounds.width;
+    *depth_m = bounds.height;
+    return true;
 }
 
 static enum ap_status locate_in(struct ap_error *err, struct ap_xr *xr, XrSpace space, XrTime time,
@@ -134,11 +148,8 @@ enum ap_status ap_xr_begin_frame(struct ap_error *err, struct ap_xr *xr, struct 
 
 static enum ap_status release_images(struct ap_error *err, struct ap_xr *xr) {
     enum ap_status st = AP_OK;
-    for (int i = 0; !st && i < xr->swapchain_count; i++) {
-        XrSwapchainImageReleaseInfo info = {.type = XR_TYPE_SWAPCHAIN_IMAGE_RELEASE_INFO};
-        st = ap_xr_check(err, xr, ap_xrl.ReleaseSwapchainImage(xr->swapchain[i].handle, &info),
-                         "xrReleaseSwapchainImage");
-    }
+    for (int i = 0; !st && i < xr->swapchain_count; i++)
+        st = ap_xr_swapchain_release(err, xr, &xr->swapchain[i]);
     return st;
 }
 
@@ -163,15 +174,21 @@ enum ap_status ap_xr_end_frame(struct ap_error *err, struct ap_xr *xr,
                                                   (int32_t)frame->view[i].height_px}},
                          .imageArrayIndex = array ? (uint32_t)i : 0}};
     }
-    XrCompositionLayerProjection layer = {.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION,
-                                          .space = xr->stage,
-                                          .viewCount = 2,
-                                          .views = views};
-    const XrCompositionLayerBaseHeader *layers[] = {(const XrCompositionLayerBaseHeader *)&layer};
+    XrCompositionLayerProjection projection = {.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION,
+                                               .space = xr->stage,
+                                               .viewCount = 2,
+                                               .views = views};
+    XrCompositionLayerQuad quads[AP_XR_MAX_PANELS];
+    const XrCompositionLayerBaseHeader *layers[1 + AP_XR_MAX_PANELS];
+    uint32_t count = 0, panels = ap_xr_panel_layers(xr, quads);
+    if (drawn)
+        layers[count++] = (const XrCompositionLayerBaseHeader *)&projection;
+    for (uint32_t i = 0; i < panels; i++)
+        layers[count++] = (const XrCompositionLayerBaseHeader *)&quads[i];
     XrFrameEndInfo end = {.type = XR_TYPE_FRAME_END_INFO,
                           .displayTime = frame->time_ns,
                           .environmentBlendMode = xr->blend,
-                          .layerCount = drawn ? 1 : 0,
+                          .layerCount = count,
                           .layers = layers};
     return ap_xr_check(err, xr, ap_xrl.EndFrame(xr->session, &end), "xrEndFrame");
 }

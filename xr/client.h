@@ -63,7 +63,11 @@ struct ap_xr_located {
 struct ap_xr_hand {
     struct ap_xr_located grip, aim;
     float trigger, squeeze; // 0…1
+    float stick_x,
+        stick_y; // −1…1, right and away from the body; a trackpad where there is no stick
     bool select;
+    bool primary, secondary; // A or X, B or Y, where the controller has them
+    bool menu;               // or what stands in for it
 };
 
 struct ap_xr_view {
@@ -92,9 +96,44 @@ struct ap_xr_images {
 };
 enum ap_status ap_xr_acquire(struct ap_error *err, struct ap_xr *xr, struct ap_xr_images *images);
 
-// Releases the images if they were acquired, submits one projection layer (none without), ends.
+// Releases the images if they were acquired, submits one projection layer (none without) and the
+// panels that are shown, ends.
 enum ap_status ap_xr_end_frame(struct ap_error *err, struct ap_xr *xr,
                                const struct ap_xr_frame *frame);
+
+// The bounds of the tracked room, centred in STAGE: along x and z, metres. False where the runtime
+// does not know them.
+bool ap_xr_stage_bounds(struct ap_xr *xr, double *width_m, double *depth_m);
+
+// A rectangle with a picture on it, as a quad layer in front of the projection: text stays sharp,
+// and the runtime may draw it later than the rest.
+struct ap_xr_panel;
+
+struct ap_xr_panel_params {
+    uint32_t width_px, height_px;
+};
+
+// How it stands in the frames to come. Pose: +z toward the reader, +y up, at the middle.
+struct ap_xr_panel_place {
+    bool shown, in_view; // in VIEW, or in STAGE
+    struct ap_pose pose;
+    double width_m; // the height follows the picture's
+    bool blended;   // by alpha, not premultiplied
+};
+
+// At most AP_XR_MAX_PANELS at a time; destroyed before the client, or with it.
+enum { AP_XR_MAX_PANELS = 4 };
+enum ap_status ap_xr_panel_create(struct ap_error *err, struct ap_xr *xr,
+                                  const struct ap_xr_panel_params *params,
+                                  struct ap_xr_panel **panel);
+void ap_xr_panel_destroy(struct ap_xr_panel *panel);
+void ap_xr_panel_set(struct ap_xr_panel *panel, const struct ap_xr_panel_place *place);
+
+// The next picture: an image of the client's format to be written, COLOR_ATTACHMENT and
+// TRANSFER_DST, in any layout; on release in COLOR_ATTACHMENT_OPTIMAL, the writing submitted to the
+// queue. A panel without a picture yet is not shown.
+enum ap_status ap_xr_panel_acquire(struct ap_error *err, struct ap_xr_panel *panel, VkImage *image);
+enum ap_status ap_xr_panel_release(struct ap_error *err, struct ap_xr_panel *panel);
 
 // hand 0 left, 1 right; amplitude 0…1; seconds ≤ 0: the shortest pulse. No error where there is no
 // motor.

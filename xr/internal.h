@@ -19,11 +19,33 @@ struct ap_xr_swapchain {
     uint32_t acquired; // index, while drawing
 };
 
+enum ap_xr_action {
+    AP_XR_GRIP,
+    AP_XR_AIM,
+    AP_XR_TRIGGER,
+    AP_XR_SQUEEZE,
+    AP_XR_STICK,
+    AP_XR_SELECT,
+    AP_XR_PRIMARY,
+    AP_XR_SECONDARY,
+    AP_XR_MENU,
+    AP_XR_HAPTIC,
+    AP_XR_ACTION_COUNT
+};
+
 struct ap_xr_actions {
     XrActionSet set;
-    XrAction grip, aim, trigger, squeeze, select, haptic;
+    XrAction action[AP_XR_ACTION_COUNT];
     XrPath hand[2];
     XrSpace grip_space[2], aim_space[2];
+};
+
+struct ap_xr_panel {
+    struct ap_xr *xr;
+    struct ap_xr_panel_params params;
+    struct ap_xr_panel_place place;
+    struct ap_xr_swapchain swapchain;
+    bool has_picture;
 };
 
 struct ap_xr {
@@ -55,6 +77,7 @@ struct ap_xr {
     XrView located[2]; // in STAGE, of the frame that is being drawn
 
     struct ap_xr_actions actions;
+    struct ap_xr_panel *panel[AP_XR_MAX_PANELS]; // NULL: free
 };
 
 // AP_ENVIRONMENT "call: XR_ERROR_…"; notes that the session or the instance is lost.
@@ -67,6 +90,19 @@ enum ap_status ap_xr_vulkan_create(struct ap_error *err, struct ap_xr *xr);
 enum ap_status ap_xr_session_create(struct ap_error *err, struct ap_xr *xr);
 enum ap_status ap_xr_swapchains_create(struct ap_error *err, const struct ap_xr_params *params,
                                        struct ap_xr *xr);
+// One image is handed out; acquire waits for it.
+enum ap_status ap_xr_swapchain_create(struct ap_error *err, struct ap_xr *xr,
+                                      const XrSwapchainCreateInfo *info,
+                                      struct ap_xr_swapchain *swapchain);
+enum ap_status ap_xr_swapchain_acquire(struct ap_error *err, struct ap_xr *xr,
+                                       struct ap_xr_swapchain *swapchain);
+enum ap_status ap_xr_swapchain_release(struct ap_error *err, struct ap_xr *xr,
+                                       struct ap_xr_swapchain *swapchain);
+
+// The layers of the panels that are shown, in their order. Returns how many.
+uint32_t ap_xr_panel_layers(const struct ap_xr *xr,
+                            XrCompositionLayerQuad layers[AP_XR_MAX_PANELS]);
+
 enum ap_status ap_xr_actions_create(struct ap_error *err, struct ap_xr *xr);
 
 // Syncs the actions and fills both hands at the time.
@@ -74,6 +110,7 @@ enum ap_status ap_xr_actions_read(struct ap_error *err, struct ap_xr *xr, XrTime
                                   struct ap_xr_hand hands[2]);
 
 struct ap_pose ap_pose_from_xr(XrPosef pose);
+XrPosef ap_pose_to_xr(struct ap_pose pose);
 enum ap_status ap_xr_locate(struct ap_error *err, struct ap_xr *xr, XrSpace space, XrTime time,
                             struct ap_xr_located *located);
 

@@ -18,6 +18,7 @@
     X(EnumerateEnvironmentBlendModes) X(EnumerateInstanceExtensionProperties) \
     X(EnumerateReferenceSpaces) X(EnumerateSwapchainFormats) X(EnumerateSwapchainImages) \
     X(EnumerateViewConfigurationViews) X(GetActionStateBoolean) X(GetActionStateFloat) \
+    X(GetActionStateVector2f) X(GetReferenceSpaceBoundsRect) X(DestroySwapchain) \
     X(GetInstanceProcAddr) X(GetInstanceProperties) X(GetSystem) X(GetSystemProperties) \
     X(LocateSpace) X(LocateViews) X(PollEvent) X(ReleaseSwapchainImage) \
     X(RequestExitSession) X(ResultToString) X(StringToPath) \

@@ -7,6 +7,12 @@ struct ap_pose ap_pose_from_xr(XrPosef pose) {
                             ap_quat_normalize(q)};
 }
 
+XrPosef ap_pose_to_xr(struct ap_pose pose) {
+    struct ap_quat q = ap_quat_normalize(pose.q);
+    return (XrPosef){{(float)q.x, (float)q.y, (float)q.z, (float)q.w},
+                     {(float)pose.p.x, (float)pose.p.y, (float)pose.p.z}};
+}
+
 enum ap_status ap_xr_locate(struct ap_error *err, struct ap_xr *xr, XrSpace space, XrTime time,
                             struct ap_xr_located *located) {
     XrSpaceLocation at = {.type = XR_TYPE_SPACE_LOCATION};

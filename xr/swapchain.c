@@ -47,19 +47,11 @@ static enum ap_status read_view_sizes(struct ap_error *err, struct ap_xr *xr) {
     return AP_OK;
 }
 
-static enum ap_status create_swapchain(struct ap_error *err, struct ap_xr *xr, uint32_t layers,
-                                       struct ap_xr_swapchain *swapchain) {
-    XrSwapchainCreateInfo info = {.type = XR_TYPE_SWAPCHAIN_CREATE_INFO,
-                                  .usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT,
-                                  .format = xr->format,
-                                  .sampleCount = 1,
-                                  .width = xr->width,
-                                  .height = xr->height,
-                                  .faceCount = 1,
-                                  .arraySize = layers,
-                                  .mipCount = 1};
+enum ap_status ap_xr_swapchain_create(struct ap_error *err, struct ap_xr *xr,
+                                      const XrSwapchainCreateInfo *info,
+                                      struct ap_xr_swapchain *swapchain) {
     enum ap_status st =
-        ap_xr_check(err, xr, ap_xrl.CreateSwapchain(xr->session, &info, &swapchain->handle),
+        ap_xr_check(err, xr, ap_xrl.CreateSwapchain(xr->session, info, &swapchain->handle),
                     "xrCreateSwapchain");
     if (st)
         return st;
@@ -74,6 +66,20 @@ static enum ap_status create_swapchain(struct ap_error *err, struct ap_xr *xr, u
     for (uint32_t i = 0; !st && i < swapchain->image_count; i++)
         swapchain->images[i] = images[i].image;
     return st;
+}
+
+static enum ap_status create_swapchain(struct ap_error *err, struct ap_xr *xr, uint32_t layers,
+                                       struct ap_xr_swapchain *swapchain) {
+    const XrSwapchainCreateInfo info = {.type = XR_TYPE_SWAPCHAIN_CREATE_INFO,
+                                        .usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT,
+                                        .format = xr->format,
+                                        .sampleCount = 1,
+                                        .width = xr->width,
+                                        .height = xr->height,
+                                        .faceCount = 1,
+                                        .arraySize = layers,
+                                        .mipCount = 1};
+    return ap_xr_swapchain_create(err, xr, &info, swapchain);
 }
 
 enum ap_status ap_xr_swapchains_create(struct ap_error *err, const struct ap_xr_params *params,
@@ -92,8 +98,8 @@ enum ap_status ap_xr_swapchains_create(struct ap_error *err, const struct ap_xr_
     return st ? st : create_swapchain(err, xr, 1, &xr->swapchain[1]);
 }
 
-static enum ap_status acquire_one(struct ap_error *err, struct ap_xr *xr,
-                                  struct ap_xr_swapchain *swapchain) {
+enum ap_status ap_xr_swapchain_acquire(struct ap_error *err, struct ap_xr *xr,
+                                       struct ap_xr_swapchain *swapchain) {
     XrSwapchainImageAcquireInfo acquire = {.type = XR_TYPE_SWAPCHAIN_IMAGE_ACQUIRE_INFO};
     XrSwapchainImageWaitInfo wait = {.type = XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO,
                                      .timeout = XR_INFINITE_DURATION};
@@ -109,10 +115,17 @@ static enum ap_status acquire_one(struct ap_error *err, struct ap_xr *xr,
     return st;
 }
 
+enum ap_status ap_xr_swapchain_release(struct ap_error *err, struct ap_xr *xr,
+                                       struct ap_xr_swapchain *swapchain) {
+    XrSwapchainImageReleaseInfo info = {.type = XR_TYPE_SWAPCHAIN_IMAGE_RELEASE_INFO};
+    return ap_xr_check(err, xr, ap_xrl.ReleaseSwapchainImage(swapchain->handle, &info),
+                       "xrReleaseSwapchainImage");
+}
+
 enum ap_status ap_xr_acquire(struct ap_error *err, struct ap_xr *xr, struct ap_xr_images *images) {
     struct ap_xr_images got;
     for (int i = 0; i < xr->swapchain_count; i++) {
-        enum ap_status st = acquire_one(err, xr, &xr->swapchain[i]);
+        enum ap_status st = ap_xr_swapchain_acquire(err, xr, &xr->swapchain[i]);
         if (st)
             return st;
     }

@@ -11,6 +11,8 @@
 #include <unistd.h>
 
 #include "src/base/file.h"
+#include "src/gpu/gpu.h"
+#include "src/image/image.h"
 #include "xr/client.h"
 
 static char dir[64];
@@ -211,6 +213,128 @@ static void a_lost_session_ends_cleanly(void **state) {
     ap_xr_destroy(xr);
 }
 
+// Sticks and buttons, by whichever hand has them.
+static void sticks_and_buttons_arrive(void **state) {
+    (void)state;
+    write_text("keys.csv",
+               "0,left,/input/thumbstick,0.5,-0.25\n0,right,/input/b/click,1\n"
+               "0,left,/input/x/click,1\n0,left,/input/menu/click,1\n"
+               "500000000,left,/input/thumbstick,-1,1\n500000000,left,/input/x/click,0\n");
+    write_text("keys.json", "{\"headset\": \"ci.json\", \"poses\": {\"logs\": [\"log.csv\"]}, "
+                            "\"clock\": \"virtual\", \"inputs\": [\"keys.csv\"]}");
+    struct ap_xr *xr = open_client("keys.json", false);
+    struct ap_error err = {""};
+    double width_m, depth_m;
+    assert_false(ap_xr_stage_bounds(xr, &width_m, &depth_m)); // a log does not say
+    enum ap_xr_state run = AP_XR_WAITING;
+    for (int k = 0; run != AP_XR_ENDED;) {
+        assert_int_equal(ap_xr_poll(&err, xr, &run), AP_OK);
+        if (run != AP_XR_RUNNING)
+            continue;
+        struct ap_xr_frame f;
+        if (ap_xr_begin_frame(&err, xr, &f) || ap_xr_end_frame(&err, xr, &f))
+            fail_msg("frame %d: %s", k, err.text);
+        bool later = k >= 45, before_the_end = k < 89;
+        if (before_the_end &&
+            (f.hand[0].stick_x != (later ? -1 : 0.5f) ||
+             f.hand[0].stick_y != (later ? 1 : -0.25f) || f.hand[0].primary != !later ||
+             f.hand[0].secondary || !f.hand[0].menu || f.hand[1].stick_x != 0 ||
+             f.hand[1].primary || !f.hand[1].secondary || f.hand[1].menu))
+            fail_msg("frame %d: stick %g %g, buttons %d %d %d, right %d %d %d", k,
+                     (double)f.hand[0].stick_x, (double)f.hand[0].stick_y, f.hand[0].primary,
+                     f.hand[0].secondary, f.hand[0].menu, f.hand[1].primary, f.hand[1].secondary,
+                     f.hand[1].menu);
+        k++;
+    }
+    ap_xr_destroy(xr);
+}
+
+static void paint(const struct ap_gpu *gpu, VkImage image, const float srgb_linear[4]) {
+    struct ap_error err = {""};
+    VkCommandBuffer cmd;
+    if (ap_gpu_commands_begin(&err, gpu, &cmd))
+        fail_msg("%s", err.text);
+    ap_gpu_barrier(cmd, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    VkClearColorValue color;
+    memcpy(color.float32, srgb_linear, sizeof color.float32);
+    VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    vkCmdClearColorImage(cmd, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &color, 1, &all);
+    ap_gpu_barrier(cmd, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                   VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    if (ap_gpu_commands_end(&err, gpu, cmd))
+        fail_msg("%s", err.text);
+}
+
+static void check_pixel(const struct ap_image *image, uint32_t x, uint32_t y, int r, int g, int b) {
+    const uint8_t *p = image->rgb + 3 * ((size_t)y * image->width + x);
+    if (abs(p[0] - r) > 1 || abs(p[1] - g) > 1 || abs(p[2] - b) > 1)
+        fail_msg("pixel %u,%u is %d %d %d, expected %d %d %d", x, y, p[0], p[1], p[2], r, g, b);
+}
+
+// A green panel a metre ahead in VIEW, with no world behind it; hidden, it is gone; blended by
+// half, it is half.
+static void panels_are_shown(void **state) {
+    (void)state;
+    write_text("panel.json", "{\"headset\": \"ci.json\", \"poses\": {\"logs\": [\"log.csv\"]}, "
+                             "\"clock\": \"virtual\", \"frames\": 3, \"capture\": {\"dir\": "
+                             "\"panel\"}}");
+    struct ap_xr *xr = open_client("panel.json", false);
+    struct ap_error err = {""};
+    struct ap_xr_vulkan vk = ap_xr_vulkan(xr);
+    struct ap_gpu gpu;
+    if (ap_gpu_init(&err, vk.instance, vk.physical_device, vk.device, vk.queue_family, 0, &gpu))
+        fail_msg("%s", err.text);
+    struct ap_xr_panel *panel, *other[AP_XR_MAX_PANELS];
+    const struct ap_xr_panel_params size = {64, 32};
+    if (ap_xr_panel_create(&err, xr, &size, &panel))
+        fail_msg("%s", err.text);
+    for (int i = 1; i < AP_XR_MAX_PANELS; i++)
+        assert_int_equal(ap_xr_panel_create(&err, xr, &size, &other[i]), AP_OK);
+    assert_int_equal(ap_xr_panel_create(&err, xr, &size, &other[0]), AP_USAGE);
+    ap_xr_panel_destroy(other[1]);
+    struct ap_xr_panel_place place = {
+        .shown = true, .in_view = true, .pose = {{0, 0, -1}, {0, 0, 0, 1}}, .width_m = 0.4};
+    enum ap_xr_state run = AP_XR_WAITING;
+    for (int k = 0; run != AP_XR_ENDED;) {
+        assert_int_equal(ap_xr_poll(&err, xr, &run), AP_OK);
+        if (run != AP_XR_RUNNING)
+            continue;
+        struct ap_xr_frame f;
+        if (ap_xr_begin_frame(&err, xr, &f))
+            fail_msg("frame %d: %s", k, err.text);
+        if (f.should_render) {
+            VkImage image;
+            assert_int_equal(ap_xr_panel_acquire(&err, panel, &image), AP_OK);
+            paint(&gpu, image, (float[4]){0, 1, 0, k == 2 ? 0.5f : 1});
+            assert_int_equal(ap_xr_panel_release(&err, panel), AP_OK);
+        }
+        place.shown = k != 1;
+        place.blended = k == 2;
+        ap_xr_panel_set(panel, &place);
+        if (ap_xr_end_frame(&err, xr, &f))
+            fail_msg("frame %d: %s", k, err.text);
+        k++;
+    }
+    ap_gpu_finish(&gpu);
+    ap_xr_destroy(xr); // and the panels with it
+    for (int k = 0; k < 3; k++) {
+        char name[32];
+        snprintf(name, sizeof name, "panel/%06d-left.png", k);
+        char *path = in_dir(name);
+        struct ap_image image;
+        if (ap_png_read(&err, path, &image))
+            fail_msg("%s", err.text);
+        free(path);
+        // The middle of the panel: 0.03 m to the right of this eye, canted by 0.1 to the left.
+        double a = tan(atan(0.03) + 0.1), l = tan(-0.8), r = tan(0.7), u = tan(0.7), d = tan(-0.8);
+        uint32_t x = (uint32_t)(80 * (a - l) / (r - l)), y = (uint32_t)(96 * u / (u - d));
+        // Shown, hidden, and by half, which is 188 where it is blended in linear light.
+        check_pixel(&image, x, y, 0, k == 0 ? 255 : k == 1 ? 0 : 188, 0);
+        ap_image_finish(&image);
+    }
+}
+
 static void a_broken_runtime_is_one_clear_error(void **state) {
     (void)state;
     write_text("bad.json", "{\"clock\": \"sundial\"}");
@@ -232,6 +356,8 @@ int main(void) {
         cmocka_unit_test(the_older_way_of_sharing_vulkan_works_too),
         cmocka_unit_test(a_client_may_ask_to_end),
         cmocka_unit_test(a_lost_session_ends_cleanly),
+        cmocka_unit_test(sticks_and_buttons_arrive),
+        cmocka_unit_test(panels_are_shown),
         cmocka_unit_test(a_broken_runtime_is_one_clear_error),
     };
     return cmocka_run_group_tests(tests, make_dir, remove_dir);
