@@ -2,19 +2,24 @@
 // C. Lengths in metres, points of the space over rho.
 
 struct View {
-    mat4 eye_from_tangent; // native: rigid, metres
+    mat4 eye_from_tangent; // native: rigid, metres; native-of: of her space, over its radius
     vec4 projection;       // clip x = x·projection.x + z·projection.z; y likewise with .y and .w
 };
 
 layout(std140, set = 0, binding = 0) uniform Frame {
     View view[2];
     vec4 depth[2]; // tourist: depth = (w·depth.x − z·depth.y)/−z, one for each image
-    int kappa, tourist;
+    int kappa, mode;
     float rho;      // metres
     float near;     // metres; native: depth = near/−z
     float forbidden; // nothing nearer than so many metres to the eye or its antipode is drawn
     float forbidden_sine; // S(forbidden/rho)
+    int born_kappa;       // native-of: the space she was born in
+    float born_rho;
 };
+
+// Frame.mode
+const int NATIVE = 0, TOURIST = 1, BORN = 2;
 
 // Kinds of Draw.shape.z
 const float MESH = 0.0, BALL = 1.0, SHEET = 2.0;
@@ -24,7 +29,8 @@ struct Draw {
     vec4 lamp;   // the lamp in the part's coordinates
     vec4 nose;   // the nose likewise
     vec4 color;  // linear; a is 1 where the part is lit
-    vec4 shape;  // of a ball S and C of its radius; kind; image
+    vec4 shape;  // of a ball S and C of its radius; kind; image + 2·way (native-of: 1,
+                 // seen the long way round her own s3)
 };
 
 layout(std430, set = 0, binding = 1) readonly buffer Draws {

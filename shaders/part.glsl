@@ -1,5 +1,6 @@
 // The vertex shader: part → nose space → Euclidean tangent space → eye → projection (native), or
-// part → eye's curved space → projection (tourist). Included by part.vert and its variants: SINGLE
+// part → eye's curved space → projection (tourist), or tangent space → exp in the space she was born
+// in → eye → projection (native-of). Included by part.vert and its variants: SINGLE
 // draws one eye a pass, GUARD hands on what part_guard.frag needs to drop fragments.
 #ifndef SINGLE
 #extension GL_EXT_multiview : require
@@ -39,7 +40,7 @@ vec4 toward(vec4 p, vec4 q) {
 // round the limb, a fill from where she stands, and enough of both everywhere.
 vec2 shade(Draw d, vec4 p, vec4 n) {
     vec4 lamp = toward(p, d.lamp), nose = toward(p, d.nose);
-    if (d.shape.w > 0.5)
+    if ((int(d.shape.w) & 1) == 1)
         nose = -nose; // seen the long way round
     float facing = inner(n, nose);
     if (d.shape.z == SHEET && facing < 0.0) {
@@ -68,16 +69,22 @@ void main() {
 #endif
     Draw d = draws[gl_InstanceIndex];
     View v = view[eye];
-    int image = int(d.shape.w);
+    int image = int(d.shape.w) & 1, way = int(d.shape.w) >> 1;
     bool ball = d.shape.z == BALL;
     vec4 p = ball ? vec4(d.shape.x * position.xyz, d.shape.y) : position;
     vec4 q = d.to[eye] * p, clip;
     vec3 t = vec3(0.0), e;
-    if (tourist != 0) {
+    if (mode == TOURIST) {
         // From the eye's antipode, where image 1 is seen from, all four coordinates change sign.
         vec4 s = image == 0 ? q : -q;
         e = s.xyz;
         clip.z = s.w * depth[image].x - e.z * depth[image].y;
+    } else if (mode == BORN) {
+        t = rho * tangent_from_nose(kappa, image, q);
+        vec4 s = v.eye_from_tangent * born_from_tangent(born_kappa, t / born_rho);
+        s = way == 0 ? s : -s;
+        clip.z = s.w * depth[way].x - s.z * depth[way].y;
+        e = s.xyz;
     } else {
         t = rho * tangent_from_nose(kappa, image, q);
         e = (v.eye_from_tangent * vec4(t, 1.0)).xyz;
@@ -96,6 +103,6 @@ void main() {
     curved = q;
     tangent_m = t;
     eye_m = e;
-    image_of = image;
+    image_of = image + 2 * way;
 #endif
 }

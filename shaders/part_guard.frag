@@ -12,25 +12,34 @@ layout(location = 0) flat in vec4 color;
 layout(location = 1) in vec2 light;
 layout(location = 2) in vec4 curved;
 layout(location = 3) in vec3 tangent_m;
-layout(location = 4) in vec3 eye_m;
-layout(location = 5) flat in int image_of;
+layout(location = 4) in vec3 eye_m; // native-of: over the radius of her space
+layout(location = 5) flat in int image_of; // image + 2·way
 layout(location = 0) out vec4 result;
 
 void main() {
     float square = dot(curved.xyz, curved.xyz) + float(kappa) * curved.w * curved.w;
     float size = kappa == 0 ? curved.w : sqrt(abs(square));
-    if (tourist != 0) {
+    if (mode == TOURIST) {
         if (length(curved.xyz) < forbidden_sine * size)
             discard;
     } else {
-        if (length(eye_m) < forbidden)
+        if (length(eye_m) * (mode == BORN ? born_rho : 1.0) < forbidden)
             discard;
+        if (mode == BORN && born_kappa > 0) {
+            // Her antipode is a sphere in tangent space: on either side of it things are seen another
+            // way round, and beyond the next one not at all. A facet that lies across it, or whose
+            // corners are brought to widely different places, is a fiction.
+            float far = length(tangent_m) / born_rho;
+            int way = image_of >> 1;
+            if (way == 0 ? far > PI : far < PI || far > 2.0 * PI)
+                discard;
+        }
         if (kappa > 0) {
             // The antipode by the curved coordinates: a facet's middle lies a little nearer to the
             // nose in tangent space than the surface does.
             if (curved.w < 0.0 && length(curved.xyz) < forbidden_sine * size)
                 discard;
-            vec3 exact = rho * tangent_from_nose(kappa, image_of, curved / size);
+            vec3 exact = rho * tangent_from_nose(kappa, image_of & 1, curved / size);
             if (length(exact - tangent_m) > 0.05 * length(tangent_m))
                 discard;
         }

@@ -72,6 +72,24 @@ static enum ap_status read_positive(struct ap_error *err, const struct ap_json_a
     return AP_OK;
 }
 
+static enum ap_status read_born(struct ap_error *err, const struct ap_json_at *root,
+                                struct ap_space *born) {
+    static const char *const keys[] = {"space", "radius_m", NULL};
+    struct ap_json_at at = ap_json_member(root, "born");
+    const char *name;
+    double rho_m;
+    enum ap_status st = ap_json_check_keys(err, &at, keys);
+    if (!st)
+        st = ap_json_string(err, &at, "space", &name);
+    if (!st)
+        st = read_positive(err, &at, "radius_m", &rho_m);
+    if (st)
+        return st;
+    if (ap_space_from_name(NULL, name, rho_m, born))
+        return ap_json_fail(err, &at, "expected the name and the radius of a space");
+    return AP_OK;
+}
+
 static enum ap_status read_space(struct ap_error *err, const struct ap_json_at *root,
                                  struct ap_capture *c) {
     const char *name;
@@ -90,7 +108,12 @@ static enum ap_status read_space(struct ap_error *err, const struct ap_json_at *
         return st;
     if (ap_view_mode_from_name(NULL, name, &c->view)) {
         struct ap_json_at at = ap_json_member(root, "view");
-        return ap_json_fail(err, &at, "expected \"native\" or \"tourist\"");
+        return ap_json_fail(err, &at, "expected \"native\", \"tourist\" or \"native-of\"");
+    }
+    if (c->view == AP_VIEW_BORN) {
+        st = read_born(err, root, &c->born);
+        if (st)
+            return st;
     }
     return read_text(err, root, "tracker", c->tracker, sizeof c->tracker);
 }
@@ -181,9 +204,9 @@ static enum ap_status read_table(struct ap_error *err, const struct ap_json_at *
 static enum ap_status read_root(struct ap_error *err, const struct ap_json_at *root,
                                 struct ap_capture *c) {
     static const char *const keys[] = {
-        "antipode_capture", "space",          "radius_m",   "view",    "tracker",
-        "table_edge_m",     "table_height_m", "frames",     "log",     "command",
-        "interrupted",      "headset",        "background", "targets", NULL};
+        "antipode_capture", "space",      "radius_m", "view",    "tracker",     "table_edge_m",
+        "table_height_m",   "frames",     "log",      "command", "interrupted", "born",
+        "headset",          "background", "targets",  NULL};
     struct ap_json_at version = ap_json_member(root, "antipode_capture");
     if (!json_is_integer(version.value) || json_integer_value(version.value) != FORMAT_VERSION)
         return ap_json_fail(err, &version, "expected %d: this is not a capture this program reads",
@@ -478,6 +501,10 @@ static json_t *capture_json(const struct ap_capture *c) {
         bad |= json_object_set_new(root, "table_edge_m", json_real(c->table_edge_m)) != 0;
         bad |= json_object_set_new(root, "table_height_m", json_real(c->table_height_m)) != 0;
     }
+    if (c->view == AP_VIEW_BORN)
+        bad |= json_object_set_new(root, "born",
+                                   json_pack("{s:s, s:f}", "space", ap_space_name(c->born),
+                                             "radius_m", c->born.rho_m)) != 0;
     bad |= json_object_set_new(root, "frames", frames_json(c)) != 0;
     bad |= json_object_set_new(root, "interrupted", json_boolean(c->interrupted)) != 0;
     bad |= json_object_set_new(root, "log", text_json(c->log_name)) != 0;
@@ -534,6 +561,7 @@ struct ap_viewer ap_capture_viewer(const struct ap_capture *capture, size_t fram
     return (struct ap_viewer){
         .space = capture->space,
         .mode = capture->view,
+        .born = capture->born,
         .world_from_nose = capture->frames[frame].world_from_head,
         .eye = {rounded_eye(&capture->headset, 0), rounded_eye(&capture->headset, 1)}};
 }

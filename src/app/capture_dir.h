@@ -13,11 +13,13 @@
 // and tables of docs/capture.md the folder holds capture.json, which makes it self-contained:
 // {"antipode_capture": 1, "space": "h3", "radius_m": …, "view": "native", "tracker": "billiards",
 //  "table_edge_m": …, "table_height_m": …, "frames": {"total": N, "captured": [0, 75, …]},
+//  "born": {"space": "s3", "radius_m": …},
 //  "interrupted": false, "log": "name", "command": "…", "headset": {…profile…},
 //  "background": "#000000",
 //  "targets": [{"name", "color": "#ff2020", "at": [x,y,z,w], "radius_m": …}]}
-// `at` is the target's place in the world, metres. The two table members are absent where there is
-// no table, "command" where nobody said how the run was started.
+// "born" is there where the view is native-of. `at` is the target's place in the world, metres. The
+// two table members are absent where there is no table, "command" where nobody said how the run was
+// started.
 
 struct ap_capture_target {
     char name[64];
@@ -46,6 +48,7 @@ struct ap_capture {
     char *dir;
     struct ap_space space;
     enum ap_view_mode view;
+    struct ap_space born; // of AP_VIEW_BORN
     struct ap_headset_profile headset;
     struct ap_capture_target *targets;
     size_t target_count;

@@ -110,6 +110,15 @@ void ap_html_view_text(FILE *f, struct ap_space space, enum ap_view_mode view, d
               f);
         return;
     }
+    if (view == AP_VIEW_BORN) {
+        fputs(
+            "<p>The <b>native-of</b> view shows the world as somebody sees it who was born in "
+            "another space: each thing stands in its true direction and at its true distance from "
+            "her nose, but in the space that her eyes have learned, and from there each eye looks "
+            "at it.</p>\n",
+            f);
+        return;
+    }
     fputs("<p>The <b>tourist</b> view gives each eye the light that reaches it through the curved "
           "space. A visitor from a flat world misreads it: ",
           f);

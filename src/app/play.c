@@ -20,7 +20,8 @@ static const char help[] =
     "The room, live: on the OpenXR runtime that is active on this machine, or, where none is (or\n"
     "with --simulated), in the simulated headset's window. There WASD, Q and E move the head and the\n"
     "mouse turns it; hold 1 or 2 to move the left or right hand instead; left and right mouse button\n"
-    "are trigger and squeeze. Ctrl-C or closing the window ends it. With a LOG the simulated headset\n"
+    "are trigger and squeeze. Y on a left controller switches between native and tourist view, B on a\n"
+    "right one shuts an eye, the other, neither. Ctrl-C or closing the window ends it. With a LOG the simulated headset\n"
     "replays it in real time instead of listening to the keys.";
 
 static volatile sig_atomic_t end_asked;
@@ -38,6 +39,7 @@ struct play {
     uint32_t width, height;
     struct ap_frame_input input;
     bool head_known;
+    bool was_down[2]; // the switches of the left and the right hand
     int64_t frames, drawn;
 };
 
@@ -138,11 +140,25 @@ static enum ap_status draw(struct ap_error *err, struct play *play,
         return st;
     play->input.viewer = ap_room_viewer(&play->room, play->input.viewer.world_from_nose,
                                         frame->view, play->width, play->height);
+    play->input.closed_eyes = play->room.closed_eyes;
     const struct ap_target target = {.image = {images.image[0], images.image[1]},
                                      .layer = {images.layer[0], images.layer[1]}};
     struct ap_frame_stats stats;
     play->drawn++;
     return ap_renderer_draw(err, play->renderer, &play->input, &target, &stats);
+}
+
+// The upper button of a hand: the left one's switches the view, the right one's the eyes.
+static void take_switches(struct play *play, const struct ap_xr_frame *frame) {
+    static const unsigned next_closed[4] = {1, 2, 0, 0}; // both open, then only right, only left
+    for (int h = 0; h < 2; h++) {
+        bool down = frame->hand[h].secondary, pressed = down && !play->was_down[h];
+        play->was_down[h] = down;
+        if (pressed && h == 0)
+            ap_room_switch_view(&play->room);
+        else if (pressed)
+            play->room.closed_eyes = next_closed[play->room.closed_eyes & 3];
+    }
 }
 
 static enum ap_status step(struct ap_error *err, struct play *play) {
@@ -159,6 +175,7 @@ static enum ap_status step(struct ap_error *err, struct play *play) {
                 place(&st, err, play, hand_names[h], &frame.hand[h].grip,
                       &play->input.hand_tracked[h], &play->input.world_from_hand[h]);
     }
+    take_switches(play, &frame);
     // Until the head has been seen once there is nowhere to look from.
     if (!st && frame.should_render && play->head_known)
         st = draw(err, play, &frame);

@@ -39,6 +39,7 @@ enum ap_status ap_replay_write_capture(struct ap_error *err, const struct ap_rep
     const struct ap_scene *scene = replay->room.scene;
     struct ap_capture capture = {.space = scene->space,
                                  .view = replay->room.view,
+                                 .born = replay->room.born,
                                  .headset = replay->headset,
                                  .total_frames = replay->frame_count,
                                  .table_edge_m = replay->room.tracker_params.table_edge_m,

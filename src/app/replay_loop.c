@@ -157,6 +157,7 @@ static enum ap_status draw(struct ap_error *err, struct loop *loop,
         return st;
     loop->input.viewer = ap_room_viewer(&replay->room, loop->input.viewer.world_from_nose,
                                         frame->view, loop->width, loop->height);
+    loop->input.closed_eyes = replay->room.closed_eyes;
     const struct ap_target target = {.image = {images.image[0], images.image[1]},
                                      .layer = {images.layer[0], images.layer[1]}};
     struct ap_frame_stats stats;

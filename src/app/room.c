@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "src/base/number.h"
 #include "src/track/setup.h"
 
 static enum ap_status check_positive(struct ap_error *err, const char *name, double value) {
@@ -53,13 +54,49 @@ static enum ap_status open_tracker(struct ap_error *err, const struct ap_room_op
     return st ? st : ap_tracker_create(err, &room->tracker_params, &room->tracker);
 }
 
+// "h3" or "h3:0.85".
+static enum ap_status parse_native_of(struct ap_error *err, const char *text, struct ap_space world,
+                                      struct ap_space *born) {
+    char name[3] = "";
+    double radius_m = world.rho_m;
+    bool good = strlen(text) >= 2;
+    if (good) {
+        memcpy(name, text, 2);
+        good = text[2] == 0 ||
+               (text[2] == ':' && ap_parse_double(text + 3, strlen(text + 3), &radius_m));
+    }
+    if (!good || ap_space_from_name(NULL, name, radius_m, born))
+        return ap_fail(err, AP_USAGE,
+                       "--native-of: '%s': expected e3, s3 or h3, or with its radius in metres, "
+                       "as h3:0.85",
+                       text);
+    return AP_OK;
+}
+
+static enum ap_status choose_view(struct ap_error *err, const struct ap_room_options *o,
+                                  struct ap_room *room) {
+    if (o->native_of && o->view)
+        return ap_fail(err, AP_USAGE, "--view and --native-of contradict: give one of them");
+    if (o->eye)
+        room->closed_eyes = strcmp(o->eye, "left") == 0 ? 2 : strcmp(o->eye, "right") == 0 ? 1 : 0;
+    if (!o->native_of)
+        return ap_view_mode_from_name(err, o->view ? o->view : "native", &room->view);
+    enum ap_status st = parse_native_of(err, o->native_of, room->scene->space, &room->born);
+    if (!st)
+        room->view = ap_view_mode_of(room->scene->space, room->born);
+    return st;
+}
+
+void ap_room_switch_view(struct ap_room *room) {
+    room->view = room->view == AP_VIEW_TOURIST ? AP_VIEW_NATIVE : AP_VIEW_TOURIST;
+}
+
 enum ap_status ap_room_open(struct ap_error *err, const struct ap_room_options *options,
                             struct ap_room *out) {
     struct ap_room room = {0};
-    enum ap_status st =
-        ap_view_mode_from_name(err, options->view ? options->view : "native", &room.view);
+    enum ap_status st = open_scene(err, options, &room.scene);
     if (!st)
-        st = open_scene(err, options, &room.scene);
+        st = choose_view(err, options, &room);
     if (!st)
         st = open_tracker(err, options, &room);
     if (st)
@@ -87,8 +124,10 @@ static struct ap_frustum eye_frustum(const struct ap_xr_view *v, uint32_t width,
 struct ap_viewer ap_room_viewer(const struct ap_room *room, struct ap_iso world_from_head,
                                 const struct ap_xr_view views[2], uint32_t width_px,
                                 uint32_t height_px) {
-    struct ap_viewer viewer = {
-        .space = room->scene->space, .mode = room->view, .world_from_nose = world_from_head};
+    struct ap_viewer viewer = {.space = room->scene->space,
+                               .mode = room->view,
+                               .world_from_nose = world_from_head,
+                               .born = room->born};
     for (int eye = 0; eye < 2; eye++)
         viewer.eye[eye] =
             (struct ap_view_eye){.view_from_eye = views[eye].view_from_eye,

@@ -12,7 +12,8 @@
 
 struct ap_room_options {
     const char *space, *scene, *tracker, *anchor, *view; // NULL: not given
-    double radius_m, table_edge_m, table_height_m;       // NAN: not given
+    const char *native_of, *eye;
+    double radius_m, table_edge_m, table_height_m; // NAN: not given
 };
 
 #define AP_ROOM_OPTIONS_NONE                                                                       \
@@ -24,6 +25,9 @@ struct ap_room_options {
         {"radius", AP_OPTION_NUMBER, &(o).radius_m, "M", "its radius in metres"},                  \
         {"view", AP_OPTION_CHOICE, &(o).view, "native|tourist",                                    \
          "each distance as it is, or eyes in the curved space"},                                   \
+        {"native-of", AP_OPTION_TEXT, &(o).native_of, "e3|s3|h3[:M]",                              \
+         "as seen by somebody born in that space, of radius M (the world's)"},                     \
+        {"eye", AP_OPTION_CHOICE, &(o).eye, "left|right|both", "which eyes are open (both)"},      \
         {"tracker", AP_OPTION_CHOICE, &(o).tracker, "billiards|anchor|naive",                      \
          "default billiards with a table, else anchor"},                                           \
         {"anchor", AP_OPTION_TEXT, &(o).anchor, "DEVICE",                                          \
@@ -40,13 +44,18 @@ struct ap_room {
     struct ap_tracker *tracker;
     struct ap_tracker_params tracker_params;
     enum ap_view_mode view;
-    bool has_table; // the room has a physical table
+    struct ap_space born; // of AP_VIEW_BORN
+    unsigned closed_eyes; // bit 0 left, bit 1 right
+    bool has_table;       // the room has a physical table
 };
 
 // Command line before scene file before defaults. AP_USAGE or AP_INPUT where they contradict.
 enum ap_status ap_room_open(struct ap_error *err, const struct ap_room_options *options,
                             struct ap_room *room);
 void ap_room_close(struct ap_room *room);
+
+// To tourist, or from there to native; for any frame.
+void ap_room_switch_view(struct ap_room *room);
 
 // Both eyes at the head's virtual pose. Pictures are width×height; an eye whose own part is smaller
 // gets a wider frustum, so that its part of the picture has just its own field of view.

@@ -206,15 +206,18 @@ enum { CURVE_POINTS = 240 };
 static void plot_curves(FILE *f, const struct ap_capture *c, double least_m, double most_m) {
     fprintf(f, "$curves << EOD\n");
     for (int i = 0; i <= CURVE_POINTS; i++) {
-        double d = least_m + (most_m - least_m) * i / CURVE_POINTS, v[3];
+        double d = least_m + (most_m - least_m) * i / CURVE_POINTS, v[4] = {0, 0, 0, NAN};
         struct ap_space flat = {0, 1};
         double ipd = c->headset.ipd_m;
         if (ap_vergence_ahead(NULL, c->space, AP_VIEW_NATIVE, ipd, d, &v[0]) ||
             ap_vergence_ahead(NULL, c->space, AP_VIEW_TOURIST, ipd, d, &v[1]) ||
             ap_vergence_ahead(NULL, flat, AP_VIEW_NATIVE, ipd, d, &v[2]))
             continue;
+        // Somebody born elsewhere is a tourist of her own space, at the same distance.
+        if (c->view == AP_VIEW_BORN)
+            ap_vergence_ahead(NULL, c->born, AP_VIEW_TOURIST, ipd, d, &v[3]);
         fprintf(f, "%.6g", d);
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 4; k++)
             fprintf(f, " %.9g", v[k] * 180 * 60 / M_PI);
         fprintf(f, "\n");
     }
@@ -282,6 +285,10 @@ static void write_script(FILE *f, const struct ap_capture *c, const struct ap_ve
     fprintf(f, "plot $curves using 1:2 with lines lw 2 lc rgb \"#f0b45b\" title \"native\", \\\n"
                " $curves using 1:3 with lines lw 2 lc rgb \"#5bc0be\" title \"tourist\", \\\n"
                " $curves using 1:4 with lines lw 1 dt 2 lc rgb \"#8a93a0\" title \"flat\"");
+    if (c->view == AP_VIEW_BORN)
+        fprintf(
+            f, ", \\\n $curves using 1:5 with lines lw 2 lc rgb \"#b892ff\" title \"native of %s\"",
+            ap_space_name(c->born));
     plot_points(f, c, 3);
     fprintf(
         f,

@@ -51,16 +51,23 @@ static void rigid(struct ap_pose pose, float columns[16]) {
 struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer) {
     struct ap_gpu_frame frame = {
         .kappa = viewer->space.kappa,
-        .tourist = viewer->mode == AP_VIEW_TOURIST,
+        .mode = (int32_t)viewer->mode,
         .rho = (float)viewer->space.rho_m,
         .near = (float)NEAR_PLANE_M,
         .forbidden = (float)AP_NEAR_M,
         .forbidden_sine = (float)ap_space_sin(viewer->space, AP_NEAR_M / viewer->space.rho_m),
     };
+    struct ap_space born = ap_viewer_born(viewer);
+    frame.born_kappa = born.kappa;
+    frame.born_rho = (float)born.rho_m;
     for (int e = 0; e < 2; e++) {
         const struct ap_frustum *f = &viewer->eye[e].frustum;
         struct ap_gpu_view *view = &frame.view[e];
         rigid(ap_pose_inverse(viewer->eye[e].view_from_eye), view->eye_from_tangent);
+        if (viewer->mode == AP_VIEW_BORN) {
+            struct ap_iso eye_from_nose = ap_eye_from_nose(viewer, e);
+            ap_store_iso(&eye_from_nose, view->eye_from_tangent);
+        }
         double across = f->right - f->left, tall = f->up - f->down;
         view->projection[0] = (float)(2 / across);
         view->projection[1] = (float)(-2 / tall); // row 0 is at the top
@@ -80,7 +87,7 @@ static double cotangent(struct ap_space space, double d_m, double slope) {
 
 void ap_frame_depth(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                     const struct ap_depth_range *range, struct ap_gpu_frame *frame) {
-    struct ap_space space = viewer->space;
+    struct ap_space space = viewer->mode == AP_VIEW_BORN ? viewer->born : viewer->space;
     if (space.kappa <= 0) {
         frame->depth[0][0] = (float)(NEAR_PLANE_M / space.rho_m);
         frame->depth[0][1] = 0;

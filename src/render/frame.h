@@ -18,10 +18,11 @@ struct ap_gpu_view {
 struct ap_gpu_frame {
     struct ap_gpu_view view[2];
     float depth[2][4];
-    int32_t kappa, tourist;
+    int32_t kappa, mode; // mode: enum ap_view_mode
     float rho, near;
     float forbidden, forbidden_sine;
-    float pad[2];
+    int32_t born_kappa;
+    float born_rho;
 };
 
 enum { AP_DRAW_MESH, AP_DRAW_BALL, AP_DRAW_SHEET };
@@ -34,7 +35,7 @@ struct ap_gpu_draw {
 
 // The eyes, as far as they do not depend on what is drawn.
 struct ap_eyes {
-    struct ap_iso eye_from_nose[2]; // tourist only
+    struct ap_iso eye_from_nose[2]; // tourist and native-of
     double reach_m;                 // the farther eye's distance from the nose
     double pixels[2];               // pixels a unit of tangent, the larger of the two axes
     double slope[2];                // the largest tangent at the picture's corners
@@ -45,7 +46,7 @@ struct ap_eyes ap_eyes_of(const struct ap_viewer *viewer, uint32_t width, uint32
 struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer);
 
 // How the tourist's depth is spread: from the distance of the nearest to that of the farthest thing
-// there is (along the way it is seen in each image).
+// there is (along the way it is seen in each image; in native-of view: each way round her own s3).
 // Reversed: nearer is larger; in s3 image 0 gets the larger half.
 struct ap_depth_range {
     double near_m[2], far_m[2];

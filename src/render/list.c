@@ -9,7 +9,7 @@ static const double PI = 3.14159265358979323846;
 enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
                                    struct ap_draw_list *list) {
     memset(list, 0, sizeof *list);
-    list->items = calloc(2 * part_count + 1, sizeof *list->items);
+    list->items = calloc(4 * part_count + 1, sizeof *list->items);
     if (!list->items)
         return ap_fail(err, AP_ENVIRONMENT, "no memory to draw %zu parts", part_count);
     return AP_OK;
@@ -28,7 +28,7 @@ static int compare_items(const void *left, const void *right) {
         return a->mesh->first_index < b->mesh->first_index ? -1 : 1;
     if (a->part != b->part)
         return a->part < b->part ? -1 : 1;
-    return a->image - b->image;
+    return a->image != b->image ? a->image - b->image : a->way - b->way;
 }
 
 static void count(struct ap_draw_list *list, const struct ap_draw_item *item, unsigned eyes) {
@@ -52,9 +52,47 @@ static enum ap_pipeline_kind pipeline_for(const struct ap_part *part, bool guard
     return closed ? AP_PIPELINE_CLOSED : AP_PIPELINE_TWOSIDED;
 }
 
+static void note_range(struct ap_draw_list *list, int way, double near_m, double far_m) {
+    list->range.near_m[way] = fmin(list->range.near_m[way], near_m);
+    list->range.far_m[way] = fmax(list->range.far_m[way], far_m);
+}
+
+// In an s3 that she was born in, things up to her antipode are seen one way, things up to a full
+// turn the other; what lies across it is drawn both ways, and each fragment once. False: beyond.
+static bool born_way(const struct ap_viewer *viewer, double near_m, double far_m, int way,
+                     bool *across) {
+    double half = PI * viewer->born.rho_m;
+    if (viewer->mode != AP_VIEW_BORN || viewer->born.kappa <= 0)
+        return way == 0;
+    *across = far_m > half - 0.3 * viewer->born.rho_m;
+    return way == 0 ? near_m < half : far_m > half && near_m < 2 * half;
+}
+
+static void add_image(struct ap_draw_list *list, const struct ap_viewer *viewer,
+                      struct ap_draw_item item, double near_m, double far_m) {
+    bool any = false, guard = item.pipeline == AP_PIPELINE_GUARD;
+    for (int way = 0; way < 2; way++) {
+        bool across = false;
+        if (!born_way(viewer, near_m, far_m, way, &across))
+            continue;
+        // Of what is culled too, so that culling changes nothing in the picture.
+        bool born = viewer->mode == AP_VIEW_BORN;
+        note_range(list, born ? way : item.image, near_m, far_m);
+        any = true;
+        item.way = way;
+        if (across && !guard)
+            item.pipeline = AP_PIPELINE_GUARD;
+        if (item.eyes != 0)
+            list->items[list->count++] = item;
+        count(list, &item, item.eyes);
+    }
+    if (!any)
+        count(list, &item, 0);
+}
+
 static void add_part(const struct ap_place_params *params, const struct ap_eyes *eyes,
                      const struct ap_scene *scene, const struct ap_meshes *meshes, size_t index,
-                     struct ap_draw_list *list) {
+                     unsigned open_eyes, struct ap_draw_list *list) {
     const struct ap_viewer *viewer = params->viewer;
     const struct ap_part *part = &scene->parts[index];
     const struct ap_shape *shape = &meshes->shapes[meshes->shape_of_part[index]];
@@ -64,21 +102,16 @@ static void add_part(const struct ap_place_params *params, const struct ap_eyes 
     for (int image = 0; image < (viewer->space.kappa > 0 ? 2 : 1); image++) {
         struct ap_draw_item item = {.part = (uint32_t)index,
                                     .image = image,
-                                    .eyes = place.eyes[image],
+                                    .eyes = place.eyes[image] & open_eyes,
                                     .mesh = &shape->mesh[0],
                                     .nose_from_part = place.nose_from_part};
-        // Of what is culled too, so that culling changes nothing in the picture.
-        double near_m = image ? turn - place.far_m : place.near_m,
-               far_m = image ? turn - place.near_m : place.far_m;
-        list->range.near_m[image] = fmin(list->range.near_m[image], near_m);
-        list->range.far_m[image] = fmax(list->range.far_m[image], far_m);
         if (item.eyes != 0) {
             bool guard = ap_needs_guard(viewer, eyes, &place);
             item.pipeline = pipeline_for(part, guard);
             item.mesh = &shape->mesh[ap_choose_level(viewer, eyes, part, shape, &place)];
-            list->items[list->count++] = item;
         }
-        count(list, &item, item.eyes);
+        add_image(list, viewer, item, image ? turn - place.far_m : place.near_m,
+                  image ? turn - place.near_m : place.far_m);
     }
 }
 
@@ -104,7 +137,7 @@ void ap_draw_list_fill(const struct ap_scene *scene, const struct ap_meshes *mes
         bool missing = (part->carrier == AP_CARRIER_LEFT && !input->hand_tracked[0]) ||
                        (part->carrier == AP_CARRIER_RIGHT && !input->hand_tracked[1]);
         if (!part->hidden && !missing)
-            add_part(&params, eyes, scene, meshes, i, list);
+            add_part(&params, eyes, scene, meshes, i, ~input->closed_eyes, list);
     }
     qsort(list->items, list->count, sizeof *list->items, compare_items);
 }
@@ -138,7 +171,7 @@ static void write_item(const struct ap_scene *scene, const struct ap_frame_input
     draw->shape[2] = part->kind == AP_PART_BALL      ? AP_DRAW_BALL
                      : part->kind == AP_PART_POLYGON ? AP_DRAW_SHEET
                                                      : AP_DRAW_MESH;
-    draw->shape[3] = (float)item->image;
+    draw->shape[3] = (float)(item->image + 2 * item->way);
 }
 
 void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_input *input,

@@ -9,6 +9,7 @@
 struct ap_draw_item {
     uint32_t part;
     int image;
+    int way; // native-of: 1, seen the long way round her own s3
     unsigned eyes;
     enum ap_pipeline_kind pipeline;
     const struct ap_mesh *mesh;
@@ -16,7 +17,7 @@ struct ap_draw_item {
 };
 
 struct ap_draw_list {
-    struct ap_draw_item *items; // 2·part_count
+    struct ap_draw_item *items; // 4·part_count
     size_t count;
     struct ap_depth_range range;
     struct ap_frame_stats stats;

@@ -173,13 +173,15 @@ static void add_tube_vertex(struct ap_mesh_data *data, struct ap_space space, do
 }
 
 enum ap_status ap_mesh_stick(struct ap_error *err, struct ap_space space,
-                             const struct ap_part *part, int around, struct ap_mesh_data *data,
-                             struct ap_mesh *mesh, double *step_m) {
+                             const struct ap_part *part, int around, int along,
+                             struct ap_mesh_data *data, struct ap_mesh *mesh, double *step_m) {
     double half = part->length_m / space.rho_m / 2, r0 = part->radius_m / space.rho_m,
            r1 = part->radius2_m / space.rho_m;
     // Finer about the axis, finer along it: both serve the same closeness.
     double steps = space.kappa == 0 ? 4 : ceil(2.5 * around * half);
-    int along = (int)fmin(fmax(steps, 4), 192), cap = around / 4 > 2 ? around / 4 : 2;
+    if (along <= 0)
+        along = (int)fmin(fmax(steps, 4), 192);
+    int cap = around / 4 > 2 ? around / 4 : 2;
     int rings = along + 1 + 2 * cap;
     size_t ring_size = (size_t)around + 1;
     enum ap_status st =

@@ -36,11 +36,12 @@ struct ap_mesh {
 enum ap_status ap_mesh_sphere(struct ap_error *err, int level, struct ap_mesh_data *data,
                               struct ap_mesh *mesh, double *facet_rad);
 
-// A tube about the geodesic segment along z, `around` corners in each ring, rings *step_m apart (at
-// most 0.8·rho/around where the space is curved, but no more than 193 rings), round caps.
+// A tube about the geodesic segment along z, `around` corners in each ring, rings *step_m apart,
+// round caps. along: steps from end to end; 0: at most 0.8·rho/around where the space is curved,
+// but no more than 192 of them.
 enum ap_status ap_mesh_stick(struct ap_error *err, struct ap_space space,
-                             const struct ap_part *part, int around, struct ap_mesh_data *data,
-                             struct ap_mesh *mesh, double *step_m);
+                             const struct ap_part *part, int around, int along,
+                             struct ap_mesh_data *data, struct ap_mesh *mesh, double *step_m);
 
 // Fans of sides·division² triangles about the centre; corners of the triangles are geodesic
 // barycentres, so outline and plane are exact.

@@ -37,8 +37,7 @@ static enum ap_status add_polygon(struct ap_error *err, struct ap_space space,
     enum ap_status st = ap_regular_polygon(err, space, part->sides, part->edge_m, &circum, &in);
     for (size_t i = 0; st == AP_OK && i < sizeof POLYGON_DIVISION / sizeof *POLYGON_DIVISION; i++) {
         int n = POLYGON_DIVISION[i], k = shape->levels;
-        // In e3 there is nothing to be gained by finer ones.
-        if (k > 0 && (space.kappa == 0 || part->sides * n * n > POLYGON_TRIANGLES_MAX))
+        if (k > 0 && part->sides * n * n > POLYGON_TRIANGLES_MAX)
             break;
         st = ap_mesh_polygon(err, space, part->sides, part->edge_m, n, data, &shape->mesh[k]);
         // Steps are even in the chord, so in curved space some are longer than others.
@@ -61,10 +60,17 @@ static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *sce
         return st;
     case AP_PART_STICK:
         for (size_t k = 0; st == AP_OK && k < sizeof STICK_AROUND / sizeof *STICK_AROUND; k++) {
-            st = ap_mesh_stick(err, scene->space, part, STICK_AROUND[k], data, &shape->mesh[k],
+            st = ap_mesh_stick(err, scene->space, part, STICK_AROUND[k], 0, data, &shape->mesh[k],
                                &shape->step_m[k]);
             shape->grain[k] = PI / STICK_AROUND[k];
             shape->levels++;
+        }
+        // Straight is straight in e3, but not for somebody who was born in a curved space.
+        for (int along = 16; st == AP_OK && scene->space.kappa == 0 && along <= 128; along *= 2) {
+            int k = shape->levels++, around = STICK_AROUND[3];
+            st = ap_mesh_stick(err, scene->space, part, around, along, data, &shape->mesh[k],
+                               &shape->step_m[k]);
+            shape->grain[k] = PI / around;
         }
         return st;
     case AP_PART_POLYGON:

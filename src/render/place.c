@@ -116,16 +116,19 @@ static double edge_error(const struct ap_viewer *viewer, const struct ap_eyes *e
                          const struct ap_place *place, double edge_m) {
     struct ap_space space = viewer->space;
     double e = eyes->reach_m, d = place->near_m;
-    if (space.kappa == 0 || viewer->mode == AP_VIEW_TOURIST)
+    bool born = viewer->mode == AP_VIEW_BORN && viewer->born.kappa != 0;
+    if ((space.kappa == 0 && !born) || viewer->mode == AP_VIEW_TOURIST)
         return 0; // geodesic triangles are drawn exactly
     if (!(d > 3 * e) || !(edge_m < d))
         return INFINITY;
-    double square = edge_m * edge_m, rho = space.rho_m;
+    double square = edge_m * edge_m, rho = space.kappa ? space.rho_m : INFINITY;
+    if (born) // both maps bend lines: at worst their curvatures add up
+        rho = 1 / hypot(1 / rho, 1 / viewer->born.rho_m);
     double angle = e * square / (9 * d * rho * rho) / (1 - e / d);
     // How far the facets are off in depth: it shows where surfaces meet at a small angle.
     double sagitta = square / (8 * rho);
     if (space.kappa > 0) {
-        double t = fmin(place->far_m / rho, PI - 0.05), stretch = t / sin(t);
+        double t = fmin(place->far_m / space.rho_m, PI - 0.05), stretch = t / sin(t);
         angle *= t > PI / 2 ? stretch * stretch : 1;
         sagitta *= t > PI / 2 ? stretch : 1;
     }

@@ -133,7 +133,7 @@ static enum ap_status create_slot(struct ap_error *err, struct ap_renderer *r, s
                                        .commandPool = r->pool,
                                        .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
                                        .commandBufferCount = 1};
-    VkDeviceSize draws = (2 * r->scene->part_count + 1) * sizeof(struct ap_gpu_draw);
+    VkDeviceSize draws = (4 * r->scene->part_count + 1) * sizeof(struct ap_gpu_draw);
     enum ap_status st = ap_vk_check(err, vkCreateFence(r->gpu->device, &fence, NULL, &slot->fence),
                                     "vkCreateFence");
     if (st == AP_OK)
@@ -291,10 +291,10 @@ static void record_draws(const struct ap_renderer *r, const struct ap_pass *pass
 
 // first_eye: the only one, or 0 for both.
 static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
-                        const struct slot *slot, int32_t first_eye) {
+                        const struct slot *slot, int32_t first_eye, bool shut) {
     VkClearValue clear[2] = {0}; // depth is reversed: 0 is far
     const double *back = r->scene->background_srgb;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3 && !shut; i++)
         clear[0].color.float32[i] = ap_linear_color(back[i]);
     clear[0].color.float32[3] = 1;
     VkRenderPassBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
@@ -323,24 +323,24 @@ static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r, boo
     return st;
 }
 
-static enum ap_status record(struct ap_error *err, struct ap_renderer *r,
+static enum ap_status record(struct ap_error *err, struct ap_renderer *r, unsigned closed_eyes,
                              const struct ap_target *target, struct slot *slot) {
-    enum ap_status st = need_pass(err, r, r->multiview);
+    bool both = r->multiview && closed_eyes == 0;
+    enum ap_status st = need_pass(err, r, both);
     for (int e = 0; st == AP_OK && e < 2; e++)
         st = bind_target(err, r, target, slot, e);
     if (st != AP_OK)
         return st;
-    const struct ap_pass *pass = &r->pass[r->multiview];
+    const struct ap_pass *pass = &r->pass[both];
     VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                       .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     st = ap_vk_check(err, vkBeginCommandBuffer(slot->cmd, &begin), "vkBeginCommandBuffer");
     if (st != AP_OK)
         return st;
     for (int e = 0; e < 2; e++) {
-        if (e == 0 || !r->multiview)
-            record_pass(r, pass, slot, e);
-        ap_resolve_record(&r->resolve, slot->cmd, r->multiview, r->multiview ? e : 0,
-                          slot->framebuffer[e]);
+        if (e == 0 || !both)
+            record_pass(r, pass, slot, e, closed_eyes >> e & 1);
+        ap_resolve_record(&r->resolve, slot->cmd, both, both ? e : 0, slot->framebuffer[e]);
     }
     return ap_vk_check(err, vkEndCommandBuffer(slot->cmd), "vkEndCommandBuffer");
 }
@@ -362,7 +362,7 @@ enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
     memcpy(slot->frame.mapped, &frame, sizeof frame);
     ap_draw_list_write(r->scene, input, &eyes, &r->list, slot->draws.mapped);
 
-    st = record(err, r, target, slot);
+    st = record(err, r, input->closed_eyes, target, slot);
     if (st != AP_OK)
         return st;
     VkSubmitInfo submit = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,

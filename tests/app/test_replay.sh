@@ -39,6 +39,32 @@ grep -q 'vertices mapped' "$work/stdout" || fail "--stats says nothing"
 [ -f "$work/h31/000007-left.png" ] || fail "--frames 5:9:2 did not draw frame 7"
 expect 0 '' "$antipode" replay --view tourist --tracker naive --radius 1.5 --headset "$ci" \
 	--frames 0:1 --out "$work/tourist" "$work/walk.csv"
+# Somebody born elsewhere: measured as exactly as the others, against what is exact for her.
+for who in s3:1.5 h3 e3; do
+	expect 0 '' "$antipode" replay --space h3 --native-of $who --headset "$ci" --pictures 3 \
+		--out "$work/of-$who" "$work/walk.csv"
+	awk -F, 'NR > 1 && $5 != "" {n++; e = $6 < 0 ? -$6 : $6; if (e > worst) worst = e}
+		END {print n + 0, worst + 0; exit !(n > 0 && worst < 0.15)}' "$work/of-$who/vergence.csv" \
+		>"$work/worst" || fail "native-of $who: vergence (rows, worst error in px): $(cat "$work/worst")"
+	echo "native-of $who: vergence rows and worst error in px: $(cat "$work/worst")"
+done
+cmp -s "$work/of-e3/000000-left.png" "$work/h32/000000-left.png" || fail "native-of e3 is not native"
+cmp -s "$work/of-s3:1.5/000000-left.png" "$work/h32/000000-left.png" && fail "native-of s3 is native"
+"$antipode" replay --space h3 --view tourist --headset "$ci" --pictures 3 --out "$work/as-tourist" \
+	"$work/walk.csv" || fail "replay --view tourist"
+cmp -s "$work/of-h3/000000-left.png" "$work/as-tourist/000000-left.png" ||
+	fail "native-of the own space is not tourist"
+expect 0 '' "$antipode" vergence "$work/of-s3:1.5"
+expect 2 'as h3:0.85' "$antipode" replay --native-of h4 --out "$work/x" "$work/walk.csv"
+expect 2 'as h3:0.85' "$antipode" replay --native-of s3:-1 --out "$work/x" "$work/walk.csv"
+expect 2 'contradict' "$antipode" replay --native-of s3 --view native --out "$work/x" "$work/walk.csv"
+
+# One eye shut: its picture is one colour, the other's is as it was.
+expect 0 '' "$antipode" replay --space h3 --eye left --headset "$ci" --pictures 3 --out "$work/shut" \
+	"$work/walk.csv"
+cmp -s "$work/shut/000000-left.png" "$work/h32/000000-left.png" || fail "--eye left changes the left eye's picture"
+[ "$(stat -c %s "$work/shut/000000-right.png")" -lt 4000 ] || fail "--eye left: the right eye still sees"
+
 "$antipode" replay --headset "$ci" --frames 0:1 --out "$work/stdin" - <"$work/walk.csv" ||
 	fail "replay from standard input"
 expect 2 'contradict' "$antipode" replay --frames 0:1 --pictures 2 --out "$work/x" "$work/walk.csv"

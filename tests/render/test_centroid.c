@@ -143,17 +143,20 @@ static void one_frame(struct stage *stage, struct ap_renderer *renderer, struct 
 static int one_kind(struct stage *stage, struct ap_renderer *renderer, struct ap_scene *scene,
                     int kappa, enum ap_view_mode mode) {
     struct worst worst = {0};
-    for (int f = 0; f < FRAMES_EACH; f++) {
+    int frames = mode == AP_VIEW_BORN ? FRAMES_EACH / 2 : FRAMES_EACH;
+    for (int f = 0; f < frames; f++) {
         struct ap_frame_input input = {0};
         double rho = f == 0 ? 0.5 : f == 1 ? 100 : exp(uniform(log(0.5), log(100)));
         input.viewer.space = (struct ap_space){kappa, rho};
         input.viewer.mode = mode;
+        if (mode == AP_VIEW_BORN) // each of the three spaces in turn
+            input.viewer.born = (struct ap_space){f % 3 - 1, rho * uniform(0.5, 3)};
         scene->space = input.viewer.space;
         scene->lamp = (struct ap_vec4){0, 0, 0, rho};
         random_viewer(&input);
         one_frame(stage, renderer, scene, &input, &worst);
     }
-    bool bad = !(worst.px <= TOLERANCE_PX) || worst.measured < FRAMES_EACH;
+    bool bad = !(worst.px <= TOLERANCE_PX) || worst.measured < frames;
     printf(
         "%s image %d %s: %d centroids, worst miss %.4f px (tolerance %.2f) at %.3f rho, rho %.3f "
         "m%s\n",
@@ -177,6 +180,7 @@ int main(void) {
         for (image = 0; image < (kappa > 0 ? 2 : 1); image++) {
             failures += one_kind(&stage, renderer, &scene, kappa, AP_VIEW_NATIVE);
             failures += one_kind(&stage, renderer, &scene, kappa, AP_VIEW_TOURIST);
+            failures += one_kind(&stage, renderer, &scene, kappa, AP_VIEW_BORN);
         }
     ap_renderer_destroy(renderer);
     stage_close(&stage);
