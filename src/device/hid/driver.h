@@ -31,6 +31,8 @@ struct ap_feature_report {
 struct ap_device_info {
     uint16_t bus, vendor, product; // as on hid-recorder's I: line
     char name[128];
+    bool interface_known; // of a USB device with several
+    int interface_number;
     struct ap_hid_descriptor descriptor; // empty where unknown
     int feature_count;
     struct ap_feature_report features[AP_DEVICE_FEATURES_MAX];
@@ -89,6 +91,11 @@ struct ap_driver_step {
     uint32_t repeat_ms; // not 0: again and again (keep-alive)
 };
 
+struct ap_driver_ids {
+    uint16_t bus; // 0: any
+    uint16_t vendor, first_product, last_product;
+};
+
 struct ap_driver {
     const char *name;   // one word, for the command line
     const char *title;  // for people
@@ -104,6 +111,17 @@ struct ap_driver {
     enum ap_report_verdict (*parse)(void *state, const struct ap_device_info *info, int64_t t_ns,
                                     const uint8_t *bytes, size_t len,
                                     struct ap_driver_samples *samples);
+    // What a device that is silent at rest would say at t_ns, not before its newest report; changes
+    // nothing. NULL: the device goes on reporting.
+    void (*idle)(const void *state, const struct ap_device_info *info, int64_t t_ns,
+                 struct ap_driver_samples *samples);
+    // "left" or "right" where the device is made for that hand, else NULL. May be NULL.
+    const char *(*side)(const struct ap_device_info *info);
+    uint32_t recentre; // buttons that make everybody's yaw anew
+    int degrees;       // of freedom of what it measures: 3 or 6
+    // Whom it may be, for udev's rules and for a bus that cannot read descriptors before it opens:
+    // ends with a vendor of 0. A driver that asks the descriptor names the vendors it is known of.
+    const struct ap_driver_ids *ids;
 };
 
 // The first driver of the table that knows the device, or NULL.
@@ -111,6 +129,9 @@ const struct ap_driver *ap_driver_find(const struct ap_device_info *info);
 
 int ap_driver_count(void);
 const struct ap_driver *ap_driver_at(int index);
+
+// Whether the driver's ids name the device.
+bool ap_driver_names(const struct ap_driver *driver, const struct ap_device_info *info);
 
 // For drivers: AP_REPORT_BAD, with the sentence in samples->why ("expected …").
 enum ap_report_verdict ap_report_bad(struct ap_driver_samples *samples, const char *format, ...)

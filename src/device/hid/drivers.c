@@ -30,6 +30,14 @@ const struct ap_driver *ap_driver_find(const struct ap_device_info *info) {
     return NULL;
 }
 
+bool ap_driver_names(const struct ap_driver *driver, const struct ap_device_info *info) {
+    for (const struct ap_driver_ids *id = driver->ids; id && id->vendor; id++)
+        if (id->vendor == info->vendor && info->product >= id->first_product &&
+            info->product <= id->last_product && (!id->bus || id->bus == info->bus))
+            return true;
+    return false;
+}
+
 const struct ap_feature_report *ap_device_feature(const struct ap_device_info *info, uint8_t id) {
     for (int i = info->feature_count; i-- > 0;)
         if (info->features[i].len && info->features[i].bytes[0] == id)

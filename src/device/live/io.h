@@ -51,6 +51,9 @@ struct ap_live_io {
     int (*set_feature)(void *bus, void *device, const uint8_t *bytes, size_t len);
     int (*output)(void *bus, void *device, const uint8_t *bytes, size_t len);
 
+    // The report descriptor of an open device whose place had none; NULL: places always have one.
+    int (*descriptor)(void *bus, void *device, uint8_t *bytes, size_t size);
+
     // The reader's thread only. wait blocks until an opened device has something (its tag) or is
     // gone, `wake` has been called, or the time is over; the number of tags. read never blocks;
     // *t_ns is when the report came where the way knows better than "now".

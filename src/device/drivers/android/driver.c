@@ -3,6 +3,12 @@
 #include "src/device/drivers/android/android.h"
 #include "src/device/drivers/sensor.h"
 
+// Any maker may build one; these are the known ones, and a bus that udev has rules for.
+static const struct ap_driver_ids ids[] = {
+    {.bus = 5, .vendor = 0x054c, .first_product = 0, .last_product = 0xffff},
+    {0},
+};
+
 struct state {
     struct ap_android_layout layout;
     bool has_before;
@@ -93,6 +99,8 @@ _Static_assert(sizeof(struct state) <= AP_DRIVER_STATE_MAX, "state");
 const struct ap_driver ap_driver_android = {
     .name = "android-head-tracker",
     .title = "Android head tracker",
+    .ids = ids,
+    .degrees = 3,
     .state_bytes = sizeof(struct state),
     .match = match,
     .init = init,

@@ -3,8 +3,13 @@
 // Where the base stands in the room as long as nobody has said: on a table before the person.
 static const struct ap_vec3 BASE_M = {0, 0.8, -0.5};
 
+static const struct ap_driver_ids ids[] = {
+    {.vendor = 0x1532, .first_product = 0x0300, .last_product = 0x0300},
+    {0},
+};
+
 static bool match(const struct ap_device_info *info) {
-    return info->vendor == 0x1532 && info->product == 0x0300;
+    return ap_driver_names(&ap_driver_hydra, info);
 }
 
 // From mouse to motion mode; the answer must be fetched.
@@ -43,6 +48,8 @@ const struct ap_driver ap_driver_hydra = {
     .name = "hydra",
     .title = "Razer Hydra",
     .hands_first = true,
+    .ids = ids,
+    .degrees = 6,
     .match = match,
     .start = start,
     .parse = parse,

@@ -9,6 +9,17 @@ struct state {
     struct ap_imu imu;
 };
 
+static const struct ap_driver_ids ids[] = {
+    {.vendor = 0x057e, .first_product = 0x2006, .last_product = 0x2007},
+    {.vendor = 0x057e, .first_product = 0x2009, .last_product = 0x2009},
+    {0},
+};
+
+static const char *side(const struct ap_device_info *info) {
+    enum ap_joycon_kind kind = ap_joycon_kind_of(info);
+    return kind == AP_JOYCON_LEFT ? "left" : kind == AP_JOYCON_RIGHT ? "right" : NULL;
+}
+
 static bool match(const struct ap_device_info *info) {
     return ap_joycon_kind_of(info) != AP_JOYCON_NONE;
 }
@@ -93,6 +104,10 @@ const struct ap_driver ap_driver_joycon = {
     .name = "joycon",
     .title = "Joy-Con, Pro Controller",
     .hands_first = true,
+    .ids = ids,
+    .side = side,
+    .degrees = 3,
+    .recentre = AP_JOYCON_HOME,
     .state_bytes = sizeof(struct state),
     .match = match,
     .init = init,

@@ -7,6 +7,8 @@
 
 enum { AP_JOYCON_REPORT = 49, AP_JOYCON_MEASUREMENTS = 3 };
 
+enum { AP_JOYCON_HOME = 3 << 13 }; // of a packet's buttons: Home, the left one's Capture
+
 enum ap_joycon_kind { AP_JOYCON_NONE, AP_JOYCON_LEFT, AP_JOYCON_RIGHT, AP_JOYCON_PRO };
 
 enum ap_joycon_kind ap_joycon_kind_of(const struct ap_device_info *info);

@@ -42,6 +42,7 @@ static enum ap_report_verdict parse(void *state, const struct ap_device_info *in
 const struct ap_driver ap_driver_orientation = {
     .name = "hid-orientation",
     .title = "HID orientation sensor",
+    .degrees = 3,
     .state_bytes = sizeof(struct state),
     .match = match,
     .init = init,

@@ -7,6 +7,14 @@ struct state {
     struct ap_imu imu;
 };
 
+static const struct ap_driver_ids ids[] = {
+    {.vendor = 0x054c, .first_product = 0x05c4, .last_product = 0x05c4},
+    {.vendor = 0x054c, .first_product = 0x09cc, .last_product = 0x09cc},
+    {.vendor = 0x054c, .first_product = 0x0ce6, .last_product = 0x0ce6},
+    {.vendor = 0x054c, .first_product = 0x0df2, .last_product = 0x0df2},
+    {0},
+};
+
 static bool match(const struct ap_device_info *info) {
     return ap_playstation_find(info) != NULL;
 }
@@ -52,6 +60,9 @@ const struct ap_driver ap_driver_playstation = {
     .name = "playstation",
     .title = "DualSense, DualShock 4",
     .hands_first = true,
+    .ids = ids,
+    .degrees = 3,
+    .recentre = AP_PLAYSTATION_HOME,
     .state_bytes = sizeof(struct state),
     .match = match,
     .init = init,

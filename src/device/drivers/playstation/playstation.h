@@ -27,6 +27,8 @@ struct ap_playstation_calibration {
     double gyro_bias[3], gyro_scale[3], accel_bias[3], accel_scale[3];
 };
 
+enum { AP_PLAYSTATION_HOME = 1 << 12 }; // of a packet's buttons
+
 // From the feature report, or the makers' usual values where it is NULL, short, or makes no sense
 // (which copies of these controllers do).
 struct ap_playstation_calibration

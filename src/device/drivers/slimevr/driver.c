@@ -7,10 +7,15 @@ struct state {
     uint8_t count;
 };
 
+static const struct ap_driver_ids ids[] = {
+    {.vendor = 0x1209, .first_product = 0x7690, .last_product = 0x7690},
+    {.vendor = 0x1209, .first_product = 0x7692, .last_product = 0x7692},
+    {.vendor = 0x4e76, .first_product = 0xd2d0, .last_product = 0xd2df},
+    {0},
+};
+
 static bool match(const struct ap_device_info *info) {
-    if (info->vendor == 0x1209)
-        return info->product == 0x7690 || info->product == 0x7692;
-    return info->vendor == 0x4e76 && info->product >= 0xd2d0 && info->product <= 0xd2df;
+    return ap_driver_names(&ap_driver_slimevr, info);
 }
 
 // The receiver repeats packets to fill a report: the last one of each tracker counts.
@@ -79,6 +84,9 @@ _Static_assert(sizeof(struct state) <= AP_DRIVER_STATE_MAX, "state");
 const struct ap_driver ap_driver_slimevr = {
     .name = "slimevr",
     .title = "SlimeVR receiver",
+    .ids = ids,
+    .degrees = 3,
+    .recentre = 2, // the first one selects
     .state_bytes = sizeof(struct state),
     .match = match,
     .parse = parse,

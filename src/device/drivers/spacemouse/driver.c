@@ -5,6 +5,14 @@
 static const double FASTEST_M_S = 1.0;
 static const double FASTEST_RAD_S = 1.57079632679489661923;
 
+// What the maker has sold as a cap, under the two vendors' ids that it has used.
+static const struct ap_driver_ids ids[] = {
+    {.vendor = 0x046d, .first_product = 0xc603, .last_product = 0xc62b},
+    {.vendor = 0x256f, .first_product = 0xc62e, .last_product = 0xc63a},
+    {.vendor = 0x256f, .first_product = 0xc652, .last_product = 0xc652},
+    {0},
+};
+
 struct state {
     struct ap_spacemouse_layout layout;
     struct ap_pose pose;
@@ -84,9 +92,25 @@ static enum ap_report_verdict parse(void *state, const struct ap_device_info *in
 
 _Static_assert(sizeof(struct state) <= AP_DRIVER_STATE_MAX, "state");
 
+static void idle(const void *state, const struct ap_device_info *info, int64_t t_ns,
+                 struct ap_driver_samples *samples) {
+    (void)info;
+    struct state s = *(const struct state *)state;
+    if (s.has_before)
+        fly(&s, (double)(t_ns - s.before_ns) / 1e9);
+    struct ap_driver_sample *sample = ap_driver_add_sample(samples);
+    sample->kind = AP_SAMPLE_FLIGHT;
+    sample->pose = s.pose;
+    sample->buttons = s.buttons;
+}
+
 const struct ap_driver ap_driver_spacemouse = {
     .name = "spacemouse",
     .title = "3Dconnexion SpaceMouse",
+    .ids = ids,
+    .degrees = 6,
+    .recentre = 2,
+    .idle = idle,
     .state_bytes = sizeof(struct state),
     .match = match,
     .init = init,

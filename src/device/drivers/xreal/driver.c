@@ -1,13 +1,21 @@
 #include "src/device/drivers/fused.h"
 #include "src/device/drivers/xreal/xreal.h"
 
-static const uint16_t products[] = {0x0424, 0x0428, 0x0432, 0x0426};
+enum { ULTRA = 0x0426 };
 
+static const struct ap_driver_ids ids[] = {
+    {.vendor = 0x3318, .first_product = 0x0424, .last_product = 0x0424},
+    {.vendor = 0x3318, .first_product = ULTRA, .last_product = ULTRA},
+    {.vendor = 0x3318, .first_product = 0x0428, .last_product = 0x0428},
+    {.vendor = 0x3318, .first_product = 0x0432, .last_product = 0x0432},
+    {0},
+};
+
+// Of several interfaces one measures; recordings do not say which one they are of.
 static bool match(const struct ap_device_info *info) {
-    for (size_t i = 0; i < sizeof products / sizeof *products; i++)
-        if (info->vendor == 0x3318 && info->product == products[i])
-            return true;
-    return false;
+    int sensor = info->product == ULTRA ? 2 : 3;
+    return ap_driver_names(&ap_driver_xreal, info) &&
+           (!info->interface_known || info->interface_number == sensor);
 }
 
 static void init(void *state, const struct ap_device_info *info) {
@@ -45,6 +53,8 @@ _Static_assert(sizeof(struct ap_imu) <= AP_DRIVER_STATE_MAX, "the fusion's state
 const struct ap_driver ap_driver_xreal = {
     .name = "xreal",
     .title = "XREAL Air, Air 2, Air 2 Pro, Air 2 Ultra",
+    .ids = ids,
+    .degrees = 3,
     .state_bytes = sizeof(struct ap_imu),
     .match = match,
     .init = init,

@@ -1,0 +1,110 @@
+#include "src/device/live/feed.h"
+
+#include <string.h>
+
+static const int64_t MICROSECOND = 1000;
+
+void ap_feed_begin(struct ap_feed *feed) {
+    static const struct ap_clockmap_params clock = {.bits = 64, .tick_ns_num = 1, .tick_ns_den = 1};
+    ap_clockmap_init(&feed->clock, &clock);
+    feed->device_ns = feed->step_ns = 0;
+    feed->lost = -1;
+    feed->arrival_ns = INT64_MIN;
+    feed->interval_ns = 0;
+    memset(feed->state, 0, sizeof feed->state);
+    if (feed->driver && feed->driver->init)
+        feed->driver->init(feed->state, &feed->info);
+}
+
+// A mean over about fifty reports, in which pauses do not count.
+static void learn_interval(struct ap_feed *feed, int64_t now_ns, int count) {
+    double each = (double)(now_ns - feed->arrival_ns) / count;
+    if (each <= 0 || each > 2e8)
+        return;
+    double weight = feed->interval_ns == 0 ? 1 : fmin(1, 0.02 * count);
+    feed->interval_ns += weight * (each - feed->interval_ns);
+}
+
+// Whole microseconds, as a recording has them, never before the report before.
+int64_t ap_feed_stamp(struct ap_feed *feed, int64_t t_ns) {
+    t_ns -= t_ns % MICROSECOND;
+    if (t_ns < feed->arrival_ns)
+        t_ns = feed->arrival_ns;
+    feed->arrival_ns = t_ns;
+    return t_ns;
+}
+
+void ap_feed_date(struct ap_feed *feed, int64_t now_ns, int count, int queue_len, int64_t *t_ns) {
+    bool is_first = feed->arrival_ns == INT64_MIN;
+    int64_t before_ns = is_first ? now_ns : feed->arrival_ns;
+    double step = feed->interval_ns;
+    // A queue that was full: its reports are the oldest since the last look, and what came behind
+    // them was dropped until somebody read.
+    bool was_full = queue_len && count >= queue_len && step > 0 &&
+                    (double)(now_ns - before_ns) > step * (count + 1);
+    if (!is_first && !was_full)
+        learn_interval(feed, now_ns, count);
+    for (int i = 0; i < count; i++) {
+        bool old = was_full && i < queue_len;
+        int64_t t = old ? before_ns + (int64_t)(step * (i + 1))
+                        : now_ns - (int64_t)(step * (count - 1 - i));
+        t_ns[i] = ap_feed_stamp(feed, t < before_ns ? before_ns : t > now_ns ? now_ns : t);
+    }
+}
+
+// Steps of two and more usual ones are reports that were lost.
+static void count_lost(struct ap_feed *feed, const struct ap_driver_sample *s) {
+    int64_t step = s->device_ns - feed->device_ns;
+    bool continues = feed->lost >= 0 && !s->reset && step > 0 && step < 500000000;
+    if (feed->lost < 0)
+        feed->lost = 0;
+    feed->device_ns = s->device_ns;
+    if (!continues)
+        return;
+    if (feed->step_ns == 0 || step < feed->step_ns)
+        feed->step_ns = step;
+    else if (step < feed->step_ns * 3 / 2)
+        feed->step_ns += (step - feed->step_ns) / 16;
+    feed->lost += (step + feed->step_ns / 2) / feed->step_ns - 1;
+}
+
+static int64_t date_sample(struct ap_feed *feed, const struct ap_driver_sample *s,
+                           int64_t arrival_ns, struct ap_fed *fed) {
+    fed->restarted |= s->reset;
+    if (!s->has_device_time)
+        return arrival_ns;
+    int64_t t_ns;
+    if (s->reset)
+        ap_clockmap_reset(&feed->clock);
+    if (ap_clockmap_add(&feed->clock, (uint64_t)s->device_ns, arrival_ns, &t_ns) ==
+        AP_CLOCK_RESTARTED)
+        fed->restarted = true;
+    count_lost(feed, s);
+    return t_ns;
+}
+
+enum ap_report_verdict ap_feed_report(struct ap_feed *feed, int64_t arrival_ns,
+                                      const uint8_t *bytes, size_t len, struct ap_fed *fed) {
+    fed->samples.count = 0;
+    fed->restarted = false;
+    if (!feed->driver)
+        return AP_REPORT_IGNORED;
+    enum ap_report_verdict verdict =
+        feed->driver->parse(feed->state, &feed->info, arrival_ns, bytes, len, &fed->samples);
+    if (verdict != AP_REPORT_OK)
+        fed->samples.count = 0;
+    for (int i = 0; i < fed->samples.count; i++)
+        fed->t_ns[i] = date_sample(feed, &fed->samples.at[i], arrival_ns, fed);
+    return verdict;
+}
+
+bool ap_feed_idle(const struct ap_feed *feed, int64_t now_ns, struct ap_fed *fed) {
+    fed->samples.count = 0;
+    fed->restarted = false;
+    if (!feed->driver || !feed->driver->idle || now_ns <= feed->arrival_ns)
+        return false;
+    feed->driver->idle(feed->state, &feed->info, now_ns, &fed->samples);
+    for (int i = 0; i < fed->samples.count; i++)
+        fed->t_ns[i] = now_ns;
+    return fed->samples.count > 0;
+}

@@ -1,0 +1,138 @@
+#include <string.h>
+
+#include "src/base/number.h"
+#include "src/device/live/set.h"
+
+enum ap_status live_assignment_read(struct ap_error *err, const char *text, bool position,
+                                    struct live_assignment *out) {
+    const char *equals = strchr(text, '=');
+    size_t n = equals ? (size_t)(equals - text) : 0;
+    if (n == 0 || n >= sizeof out->role || !equals[1] || strlen(equals + 1) >= sizeof out->which)
+        return ap_fail(err, AP_USAGE,
+                       "'%s': expected ROLE=WHICH, as head=/dev/hidraw0, left=joycon or "
+                       "right=SERIAL (see antipode devices)",
+                       text);
+    struct live_assignment a = {.tracker = -1, .position = position};
+    memcpy(a.role, text, n);
+    memcpy(a.which, equals + 1, strlen(equals + 1) + 1);
+    // A serial number may hold colons itself (Bluetooth's does): only a short number is a tracker.
+    char *colon = strrchr(a.which, ':');
+    int64_t number;
+    if (colon && strchr(a.which, ':') == colon && a.which[0] != '/' &&
+        ap_parse_int64(colon + 1, strlen(colon + 1), &number) && number >= 1 &&
+        number <= AP_LIVE_TRACKERS_MAX) {
+        a.tracker = (int)number - 1;
+        *colon = '\0';
+    }
+    *out = a;
+    return AP_OK;
+}
+
+static bool is_meant(const struct live_assignment *a, const struct live_slot *slot, int tracker) {
+    const struct ap_live_device *d = &slot->about;
+    return (a->tracker < 0 || a->tracker == tracker) &&
+           ((d->place.serial[0] && strcmp(a->which, d->place.serial) == 0) ||
+            strcmp(a->which, d->place.path) == 0 ||
+            (d->driver && strcmp(a->which, d->driver->name) == 0));
+}
+
+int ap_live_role(const struct ap_live *live, const char *name) {
+    int count = atomic_load_explicit(&live->role_count, memory_order_acquire);
+    for (int i = 0; i < count; i++)
+        if (strcmp(live->roles[i].name, name) == 0)
+            return i;
+    return -1;
+}
+
+int ap_live_role_count(const struct ap_live *live) {
+    return atomic_load_explicit(&live->role_count, memory_order_acquire);
+}
+
+const char *ap_live_role_name(const struct ap_live *live, int role) {
+    return role >= 0 && role < ap_live_role_count(live) ? live->roles[role].name : NULL;
+}
+
+// The role of that name, made where there is none; −1: no room.
+static int make_role(struct ap_live *live, const char *name) {
+    int role = ap_live_role(live, name);
+    int count = ap_live_role_count(live);
+    if (role >= 0 || count == AP_LIVE_ROLES_MAX)
+        return role;
+    size_t n = strlen(name);
+    memcpy(live->roles[count].name, name, n + 1);
+    atomic_store_explicit(&live->role_count, count + 1, memory_order_release);
+    return count;
+}
+
+static bool is_free(struct ap_live *live, int role) {
+    return !atomic_load_explicit(&live->roles[role].tracker, memory_order_relaxed);
+}
+
+// Whether somebody asked for this role by name: then it is not given away.
+static bool is_reserved(const struct ap_live *live, int role) {
+    for (size_t i = 0; i < live->assignment_count; i++)
+        if (!live->assignments[i].position &&
+            strcmp(live->assignments[i].role, live->roles[role].name) == 0)
+            return true;
+    return false;
+}
+
+static int tracker_role(struct ap_live *live) {
+    char name[AP_LIVE_ROLE_NAME_MAX];
+    for (int n = 1; n <= AP_LIVE_ROLES_MAX; n++) {
+        snprintf(name, sizeof name, "tracker%d", n);
+        int role = make_role(live, name);
+        if (role >= 0 && is_free(live, role))
+            return role;
+    }
+    return -1;
+}
+
+// The first free one of head, left, right (left, right for what is held), then numbers.
+static int automatic_role(struct live_slot *slot, bool flies) {
+    struct ap_live *live = slot->live;
+    const struct ap_driver *driver = slot->about.driver;
+    const char *side = driver->side ? driver->side(&slot->feed->info) : NULL;
+    int first = driver->hands_first ? AP_LIVE_LEFT : AP_LIVE_HEAD;
+    int last = flies ? AP_LIVE_HEAD : AP_LIVE_RIGHT;
+    if (side)
+        first = last = ap_live_role(live, side);
+    for (int role = first; role <= last; role++)
+        if (is_free(live, role) && !is_reserved(live, role))
+            return role;
+    return tracker_role(live);
+}
+
+static void give(struct live_slot *slot, int index, int role) {
+    struct live_tracker *t = slot->tracker[index];
+    t->role = role;
+    if (role < 0)
+        return;
+    const char *name = slot->live->roles[role].name;
+    t->part = ap_body_part_of(name, strlen(name));
+    atomic_store_explicit(&slot->live->roles[role].tracker, t, memory_order_release);
+}
+
+void live_assign(struct live_slot *slot, int index, bool flies) {
+    struct ap_live *live = slot->live;
+    int role = -1;
+    bool asked = false;
+    pthread_mutex_lock(&live->lock);
+    for (size_t i = 0; i < live->assignment_count; i++) {
+        const struct live_assignment *a = &live->assignments[i];
+        int r = is_meant(a, slot, index) ? make_role(live, a->role) : -1;
+        if (r < 0)
+            continue;
+        if (a->position) {
+            atomic_store_explicit(&live->roles[r].position, slot->tracker[index],
+                                  memory_order_release);
+            asked = true;
+        } else if (role < 0 && is_free(live, r)) {
+            role = r;
+        }
+    }
+    if (role < 0 && !asked && !live->no_automatic)
+        role = automatic_role(slot, flies);
+    give(slot, index, role);
+    pthread_mutex_unlock(&live->lock);
+}
