@@ -42,6 +42,17 @@ static void close_device(struct live_slot *slot) {
         bus->way.io->close(bus->way.bus, device);
 }
 
+// It is not there any more. What its queue still holds was measured all the same.
+static void lose(struct live_slot *slot) {
+    struct live_bus *bus = slot->bus;
+    pthread_mutex_lock(&bus->lock);
+    if (slot->device && live_slot_state(slot) != AP_LIVE_GONE)
+        live_slot_drain(slot);
+    if (live_slot_state(slot) != AP_LIVE_GONE)
+        live_slot_lose(slot, now_of(bus));
+    pthread_mutex_unlock(&bus->lock);
+}
+
 // A device that was here before: by its serial, where it has none by where it is plugged in, or
 // else one of its kind.
 static struct live_slot *find_gone(struct live_bus *bus, const struct ap_live_place *place) {
@@ -313,9 +324,7 @@ static void look_at(struct live_bus *bus, const struct ap_live_place *place) {
     struct live_slot *slot = find_path(bus, place->path);
     if (slot && !is_same_device(&slot->about.place, place)) {
         // Another device has the node of one that went.
-        pthread_mutex_lock(&bus->lock);
-        live_slot_lose(slot, now_of(bus));
-        pthread_mutex_unlock(&bus->lock);
+        lose(slot);
         close_device(slot);
         slot = NULL;
     }
@@ -349,10 +358,7 @@ static void look(struct live_bus *bus) {
         struct live_slot *slot = live->slots[i];
         if (slot->bus != bus || slot->seen)
             continue;
-        pthread_mutex_lock(&bus->lock);
-        if (live_slot_state(slot) != AP_LIVE_GONE)
-            live_slot_lose(slot, now_of(bus));
-        pthread_mutex_unlock(&bus->lock);
+        lose(slot);
         close_device(slot);
     }
 }

@@ -109,6 +109,8 @@ static void take_sample(struct live_slot *slot, const struct ap_driver_sample *s
         hold(t, s, t_ns);
         slot->about.newest_ns = t_ns;
     }
+    if (s->has_battery)
+        slot->about.battery_percent = (int)lroundf(100 * s->battery);
     if (told)
         tell(slot, t, s, t_ns, pose);
 }

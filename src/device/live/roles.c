@@ -12,28 +12,28 @@ enum ap_status live_assignment_read(struct ap_error *err, const char *text, bool
                        "'%s': expected ROLE=WHICH, as head=/dev/hidraw0, left=joycon or "
                        "right=SERIAL (see antipode devices)",
                        text);
-    struct live_assignment a = {.tracker = -1, .position = position};
+    struct live_assignment a = {.position = position};
     memcpy(a.role, text, n);
     memcpy(a.which, equals + 1, strlen(equals + 1) + 1);
-    // A serial number may hold colons itself (Bluetooth's does): only a short number is a tracker.
-    char *colon = strrchr(a.which, ':');
-    int64_t number;
-    if (colon && strchr(a.which, ':') == colon && a.which[0] != '/' &&
-        ap_parse_int64(colon + 1, strlen(colon + 1), &number) && number >= 1 &&
-        number <= AP_LIVE_TRACKERS_MAX) {
-        a.tracker = (int)number - 1;
-        *colon = '\0';
-    }
     *out = a;
     return AP_OK;
 }
 
+static bool is_named(const struct ap_live_device *d, const char *name, size_t len) {
+    const char *const names[] = {d->place.serial, d->place.path, d->driver ? d->driver->name : ""};
+    for (int i = 0; i < 3; i++)
+        if (len > 0 && strlen(names[i]) == len && memcmp(names[i], name, len) == 0)
+            return true;
+    return false;
+}
+
+// A serial number may hold a colon itself, so the whole word is looked at first.
 static bool is_meant(const struct live_assignment *a, const struct live_slot *slot, int tracker) {
-    const struct ap_live_device *d = &slot->about;
-    return (a->tracker < 0 || a->tracker == tracker) &&
-           ((d->place.serial[0] && strcmp(a->which, d->place.serial) == 0) ||
-            strcmp(a->which, d->place.path) == 0 ||
-            (d->driver && strcmp(a->which, d->driver->name) == 0));
+    const char *colon = strrchr(a->which, ':');
+    int64_t number;
+    return is_named(&slot->about, a->which, strlen(a->which)) ||
+           (colon && ap_parse_int64(colon + 1, strlen(colon + 1), &number) &&
+            number == tracker + 1 && is_named(&slot->about, a->which, (size_t)(colon - a->which)));
 }
 
 int ap_live_role(const struct ap_live *live, const char *name) {

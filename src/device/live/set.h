@@ -77,7 +77,6 @@ struct live_role {
 struct live_assignment {
     char role[AP_LIVE_ROLE_NAME_MAX];
     char which[AP_LIVE_PATH_MAX];
-    int tracker; // −1: the first that is free
     bool position;
 };
 
