@@ -17,6 +17,8 @@ enum {
     PREVIEW = 2, // a job's `what`: 0 and 1 are the eyes
     PREVIEW_MAX_WIDTH_PX = 960,
     PREVIEW_MAX_HEIGHT_PX = 720,
+    PREVIEW_ALONE_WIDTH_PX = 1920, // of one eye that has the window for itself
+    PREVIEW_ALONE_HEIGHT_PX = 1080,
 };
 
 // Read-back memory of all slots together; two slots are made in any case.
@@ -111,6 +113,20 @@ static enum ap_status make_pipelines(struct ap_error *err, struct sim_compositor
     return st;
 }
 
+// Bit e: eye e is seen in the window.
+static unsigned shown_eyes(const struct sim_settings *settings) {
+    return settings->window_layout == SIM_LAYOUT_LEFT    ? 1
+           : settings->window_layout == SIM_LAYOUT_RIGHT ? 2
+                                                         : 3;
+}
+
+static VkExtent2D preview_size(const struct sim_compositor *c) {
+    const VkRect2D *left = &c->preview_part[0], *right = &c->preview_part[1];
+    return (VkExtent2D){left->extent.width + right->extent.width,
+                        left->extent.height > right->extent.height ? left->extent.height
+                                                                   : right->extent.height};
+}
+
 // Everything that this frame is the first to need.
 static enum ap_status make_ready(struct ap_error *err, struct sim_compositor *c,
                                  const struct sim_plan *plan, struct sim_slot *slot) {
@@ -130,12 +146,9 @@ static enum ap_status make_ready(struct ap_error *err, struct sim_compositor *c,
     }
     if (st || !plan->show)
         return st;
-    const VkRect2D *last = &c->preview_part[1];
-    uint32_t width_px = (uint32_t)last->offset.x + last->extent.width;
-    uint32_t left = c->preview_part[0].extent.height, right = last->extent.height;
-    uint32_t height_px = left > right ? left : right;
-    st = make_buffer(err, c, width_px, height_px, &slot->preview);
-    return st ? st : make_target(err, c, width_px, height_px, &c->preview);
+    VkExtent2D size = preview_size(c);
+    st = make_buffer(err, c, size.width, size.height, &slot->preview);
+    return st ? st : make_target(err, c, size.width, size.height, &c->preview);
 }
 
 static void copy_out(VkCommandBuffer cmd, VkImage image, VkImageLayout layout, uint32_t array_layer,
@@ -186,7 +199,8 @@ static void record_preview(struct sim_compositor *c, const struct sim_plan *plan
                            struct sim_slot *slot) {
     sim_pass_begin(slot->cmd, &c->pass, &c->preview);
     for (int eye = 0; eye < 2; eye++)
-        draw_layers(c, plan, slot, eye, c->preview_part[eye]);
+        if (plan->show & 1u << eye)
+            draw_layers(c, plan, slot, eye, c->preview_part[eye]);
     sim_pass_end(slot->cmd);
     copy_target(slot->cmd, &c->preview, &slot->preview);
     c->stats.shown++;
@@ -269,7 +283,7 @@ enum ap_status sim_compositor_frame(struct ap_error *err, struct sim_compositor 
         return sim_capture_error(err, c->capture);
     }
     struct sim_plan *plan = &c->plan;
-    sim_plan_make(c->settings, frame, show, plan);
+    sim_plan_make(c->settings, frame, show ? shown_eyes(c->settings) : 0, plan);
     slot->frame = frame->index;
     enum ap_status st = submit(err, c, plan, slot);
     if (st)
@@ -286,18 +300,23 @@ enum ap_status sim_compositor_frame(struct ap_error *err, struct sim_compositor 
 
 // ---- Life
 
-// Each eye no larger than PREVIEW_MAX…, both at one scale.
+// Each eye no larger than PREVIEW_…, both at one scale.
 static void lay_out_preview(struct sim_compositor *c) {
+    unsigned eyes = shown_eyes(c->settings);
+    double width = eyes == 3 ? PREVIEW_MAX_WIDTH_PX : PREVIEW_ALONE_WIDTH_PX;
+    double height = eyes == 3 ? PREVIEW_MAX_HEIGHT_PX : PREVIEW_ALONE_HEIGHT_PX;
     double scale = 1;
     for (int eye = 0; eye < 2; eye++) {
         const struct ap_eye_profile *p = &c->settings->profile.eye[eye];
-        if (PREVIEW_MAX_WIDTH_PX < scale * p->width_px)
-            scale = (double)PREVIEW_MAX_WIDTH_PX / p->width_px;
-        if (PREVIEW_MAX_HEIGHT_PX < scale * p->height_px)
-            scale = (double)PREVIEW_MAX_HEIGHT_PX / p->height_px;
+        if ((eyes & 1u << eye) && width < scale * p->width_px)
+            scale = width / p->width_px;
+        if ((eyes & 1u << eye) && height < scale * p->height_px)
+            scale = height / p->height_px;
     }
     int32_t x = 0;
     for (int eye = 0; eye < 2; eye++) {
+        if (!(eyes & 1u << eye))
+            continue;
         const struct ap_eye_profile *p = &c->settings->profile.eye[eye];
         uint32_t width_px = (uint32_t)(scale * p->width_px),
                  height_px = (uint32_t)(scale * p->height_px);
@@ -309,12 +328,16 @@ static void lay_out_preview(struct sim_compositor *c) {
 
 static void open_window(struct sim_compositor *c) {
     struct ap_error error;
-    const VkRect2D *part = c->preview_part;
-    struct sim_window_params params = {.title = c->settings->profile.name,
-                                       .width_px = part[0].extent.width + part[1].extent.width,
-                                       .height_px = part[0].extent.height > part[1].extent.height
-                                                        ? part[0].extent.height
-                                                        : part[1].extent.height};
+    VkExtent2D size = preview_size(c);
+    enum sim_layout layout = c->settings->window_layout;
+    struct sim_window_params params = {
+        .title = c->settings->profile.name,
+        .width_px = size.width,
+        .height_px = size.height,
+        .split_px = shown_eyes(c->settings) == 3 ? c->preview_part[0].extent.width : 0,
+        .layout = layout == SIM_LAYOUT_CROSS      ? SIM_WINDOW_CROSS
+                  : layout == SIM_LAYOUT_ANAGLYPH ? SIM_WINDOW_ANAGLYPH
+                                                  : SIM_WINDOW_PAIR};
     if (sim_window_open(&error, &params, &c->window))
         ap_log(AP_LOG_WARNING, "%s: going on without a window", error.text);
 }

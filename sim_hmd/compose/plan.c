@@ -115,11 +115,11 @@ VkImageLayout sim_plan_layout(const struct sim_plan *plan, VkImage image) {
 }
 
 bool sim_plan_samples(const struct sim_plan *plan, int eye) {
-    return plan->show || (plan->pictures && !plan->copy[eye]);
+    return (plan->show & 1u << eye) || (plan->pictures && !plan->copy[eye]);
 }
 
-void sim_plan_make(const struct sim_settings *settings, const struct sim_frame *frame, bool show,
-                   struct sim_plan *plan) {
+void sim_plan_make(const struct sim_settings *settings, const struct sim_frame *frame,
+                   unsigned show, struct sim_plan *plan) {
     plan->frame = frame;
     plan->show = show;
     plan->pictures = frame->capture;

@@ -27,7 +27,7 @@ struct sim_use {
 
 struct sim_plan {
     const struct sim_frame *frame;
-    bool show;
+    unsigned show; // bit e: eye e, in the window
     bool pictures; // of the eyes
     bool copy[2];  // this eye's picture is its only drawing's, bit for bit
     struct sim_drawing drawings[2][SIM_MAX_LAYERS]; // from below
@@ -38,8 +38,8 @@ struct sim_plan {
     uint32_t use_count;
 };
 
-void sim_plan_make(const struct sim_settings *settings, const struct sim_frame *frame, bool show,
-                   struct sim_plan *plan);
+void sim_plan_make(const struct sim_settings *settings, const struct sim_frame *frame,
+                   unsigned show, struct sim_plan *plan);
 
 // The layout that the frame's commands read this image in.
 VkImageLayout sim_plan_layout(const struct sim_plan *plan, VkImage image);

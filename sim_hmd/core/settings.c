@@ -385,6 +385,28 @@ static enum ap_status read_hands(struct ap_error *err, const struct ap_json_at *
     return s->hands ? AP_OK : no_memory(err);
 }
 
+// true, false, or how it is laid out.
+static enum ap_status read_shown(struct ap_error *err, const struct ap_json_at *root,
+                                 struct sim_settings *s) {
+    static const char *const layouts[SIM_LAYOUT_COUNT] = {"pair", "left", "right", "cross",
+                                                          "anaglyph"};
+    struct ap_json_at at = ap_json_member(root, "window");
+    if (json_is_boolean(at.value)) {
+        s->window |= json_is_true(at.value);
+        return AP_OK;
+    }
+    const char *word = json_string_value(at.value);
+    for (int i = 0; word && i < SIM_LAYOUT_COUNT; i++)
+        if (strcmp(word, layouts[i]) == 0) {
+            s->window = true;
+            s->window_layout = (enum sim_layout)i;
+            return AP_OK;
+        }
+    return ap_json_fail(err, &at,
+                        "expected true, false, \"pair\", \"left\", \"right\", "
+                        "\"cross\" or \"anaglyph\"");
+}
+
 static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *root,
                                struct sim_settings *s) {
     bool virtual_clock = false;
@@ -416,12 +438,8 @@ static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *ro
         st = read_controllers(err, root, s);
     if (!st)
         st = read_strict(err, root, s);
-    if (!st && ap_json_has(root, "window")) {
-        bool window;
-        st = ap_json_bool(err, root, "window", &window);
-        if (!st)
-            s->window |= window;
-    }
+    if (!st && ap_json_has(root, "window"))
+        st = read_shown(err, root, s);
     return st;
 }
 

@@ -17,6 +17,16 @@ enum sim_poses { SIM_POSES_WALK, SIM_POSES_LOGS, SIM_POSES_WINDOW };
 enum { SIM_MAX_RATES = 16, SIM_MAX_RECENTRE_TIMES = 64 };
 enum sim_clock { SIM_CLOCK_REAL, SIM_CLOCK_VIRTUAL };
 
+// What of the two eyes the window shows.
+enum sim_layout {
+    SIM_LAYOUT_PAIR, // side by side
+    SIM_LAYOUT_LEFT, // one eye only; the other is not composed for it
+    SIM_LAYOUT_RIGHT,
+    SIM_LAYOUT_CROSS,    // side by side, for crossed eyes
+    SIM_LAYOUT_ANAGLYPH, // red and cyan
+    SIM_LAYOUT_COUNT
+};
+
 struct sim_settings {
     struct ap_headset_profile profile; // refresh_hz already overridden
     double rates_hz[SIM_MAX_RATES];    // that a program may ask for, rising; the profile's is one
@@ -44,6 +54,7 @@ struct sim_settings {
     struct ap_range capture_frames;
     bool draw_all; // on the virtual clock, too, frames that nobody looks at have shouldRender
     bool window;
+    enum sim_layout window_layout;
     bool strict;         // a lint for the program: strict/strict.h
     char *strict_report; // NULL: standard error only
 };

@@ -14,6 +14,7 @@
 enum sim_device { SIM_HEAD, SIM_LEFT, SIM_RIGHT, SIM_DEVICE_COUNT };
 
 struct sim_window_input;
+struct sim_component;
 
 struct sim_poses_kind {
     // *state is NULL where the kind needs none.
@@ -31,6 +32,10 @@ struct sim_poses_kind {
     int64_t (*start_ns)(const void *state);
     // Steps what the window's keyboard and mouse move.
     void (*input)(void *state, const struct sim_window_input *input, double step_s);
+    // What it says of a controller's component now; false: nothing, see the sample's trigger,
+    // squeeze and select. value[1] only of SIM_VEC2.
+    bool (*component)(const void *state, const struct sim_component *component, int top,
+                      float value[2]);
     // What it says of a time changes as it learns more: it is asked anew each time.
     bool learns;
 };

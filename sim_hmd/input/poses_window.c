@@ -1,6 +1,8 @@
 #include <stdlib.h>
+#include <string.h>
 
 #include "sim_hmd/input/poses.h"
+#include "sim_hmd/input/profiles.h"
 #include "sim_hmd/window/input.h"
 
 // A person who is moved by the window's keyboard and mouse: the mouse turns the head, WASD walk, Q
@@ -95,5 +97,63 @@ static enum ap_pose_state at(const void *state, enum sim_device device, int64_t 
     return AP_POSE_EXACT;
 }
 
+// Sticks and buttons by key, whatever the controller calls them. The left hand, then the right.
+static const struct stick {
+    uint32_t left, right, down, up;
+} sticks[2] = {
+    {SIM_KEY_STICK_LEFT, SIM_KEY_STICK_RIGHT, SIM_KEY_STICK_DOWN, SIM_KEY_STICK_UP},
+    {SIM_KEY_TURN_LEFT, SIM_KEY_TURN_RIGHT, SIM_KEY_RIGHT_STICK_DOWN, SIM_KEY_RIGHT_STICK_UP}};
+
+static const struct button {
+    int top;
+    const char *path;
+    uint32_t key;
+} buttons[] = {
+    {SIM_TOP_LEFT, "/input/x/click", SIM_KEY_X},
+    {SIM_TOP_LEFT, "/input/y/click", SIM_KEY_Y},
+    {SIM_TOP_LEFT, "/input/a/click", SIM_KEY_X},
+    {SIM_TOP_LEFT, "/input/b/click", SIM_KEY_Y},
+    {SIM_TOP_RIGHT, "/input/a/click", SIM_KEY_A},
+    {SIM_TOP_RIGHT, "/input/b/click", SIM_KEY_B},
+    {SIM_TOP_LEFT, "/input/menu/click", SIM_KEY_MENU},
+    {SIM_TOP_LEFT, "/input/thumbstick/click", SIM_KEY_STICK_CLICK},
+    {SIM_TOP_RIGHT, "/input/thumbstick/click", SIM_KEY_RIGHT_STICK_CLICK},
+    {SIM_TOP_LEFT, "/input/trackpad/click", SIM_KEY_X},
+    {SIM_TOP_RIGHT, "/input/trackpad/click", SIM_KEY_A},
+};
+
+// "/input/thumbstick", or a trackpad where the controller has no stick; its whole, x or y.
+static bool stick_component(const struct player *player, const char *path, int top,
+                            float value[2]) {
+    static const char *const names[] = {"/input/thumbstick", "/input/trackpad"};
+    for (int i = 0; i < 2; i++) {
+        size_t length = strlen(names[i]);
+        if (strncmp(path, names[i], length) != 0)
+            continue;
+        const struct stick *s = &sticks[top == SIM_TOP_RIGHT];
+        float x = (float)axis(player->keys, s->left, s->right);
+        float y = (float)axis(player->keys, s->down, s->up);
+        const char *of = path + length;
+        if (*of && strcmp(of, "/x") != 0 && strcmp(of, "/y") != 0)
+            return false;
+        value[0] = of[0] && of[1] == 'y' ? y : x;
+        value[1] = *of ? 0 : y;
+        return true;
+    }
+    return false;
+}
+
+static bool component(const void *state, const struct sim_component *c, int top, float value[2]) {
+    const struct player *player = state;
+    if (top > SIM_TOP_RIGHT)
+        return false;
+    for (size_t i = 0; i < sizeof buttons / sizeof *buttons; i++)
+        if (buttons[i].top == top && strcmp(buttons[i].path, c->path) == 0) {
+            value[0] = (player->keys & buttons[i].key) != 0;
+            return true;
+        }
+    return stick_component(player, c->path, top, value);
+}
+
 const struct sim_poses_kind sim_poses_window = {
-    .create = create, .destroy = free, .at = at, .input = step};
+    .create = create, .destroy = free, .at = at, .input = step, .component = component};

@@ -111,8 +111,11 @@ enum ap_pose_state sim_source_hand(const struct sim_source *source, int hand, in
 bool sim_source_component(const struct sim_source *source, const struct sim_component *component,
                           int top, int64_t xr_ns, float value[2]) {
     int64_t t_ns;
-    return source->inputs && log_time(source, xr_ns, &t_ns) &&
-           sim_inputs_at(source->inputs, component, top, t_ns, value);
+    if (source->inputs && log_time(source, xr_ns, &t_ns) &&
+        sim_inputs_at(source->inputs, component, top, t_ns, value))
+        return true;
+    return source->kind->component &&
+           source->kind->component(source->poses, component, top, value);
 }
 
 // The top level path of a channel's device.

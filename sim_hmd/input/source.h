@@ -32,7 +32,8 @@ enum ap_pose_state sim_source_at(const struct sim_source *source, enum sim_devic
 enum ap_pose_state sim_source_hand(const struct sim_source *source, int hand, int64_t xr_ns,
                                    struct ap_hand *out);
 
-// What the input logs say of a component at a time; false where they say nothing (yet).
+// What the input logs say of a component at a time, or else the kind of poses; false where they say
+// nothing (yet).
 bool sim_source_component(const struct sim_source *source, const struct sim_component *component,
                           int top, int64_t xr_ns, float value[2]);
 

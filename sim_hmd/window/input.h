@@ -18,6 +18,22 @@ enum sim_key {
     SIM_KEY_HAND_LEFT = 1 << 9,   // 1: the mouse moves the left hand
     SIM_KEY_HAND_RIGHT = 1 << 10, // 2
     SIM_KEY_RECENTRE = 1 << 11,   // R: LOCAL comes to where the head is
+    // Sticks and buttons of the controllers.
+    SIM_KEY_STICK_UP = 1 << 12,          // I: the left one's
+    SIM_KEY_STICK_DOWN = 1 << 13,        // K
+    SIM_KEY_STICK_LEFT = 1 << 14,        // J
+    SIM_KEY_STICK_RIGHT = 1 << 15,       // L
+    SIM_KEY_TURN_LEFT = 1 << 16,         // U: the right one's
+    SIM_KEY_TURN_RIGHT = 1 << 17,        // O
+    SIM_KEY_X = 1 << 18,                 // X
+    SIM_KEY_Y = 1 << 19,                 // Y
+    SIM_KEY_A = 1 << 20,                 // C
+    SIM_KEY_B = 1 << 21,                 // V
+    SIM_KEY_MENU = 1 << 22,              // M, F1
+    SIM_KEY_STICK_CLICK = 1 << 23,       // F12: the left one's
+    SIM_KEY_RIGHT_STICK_CLICK = 1 << 24, // F11
+    SIM_KEY_RIGHT_STICK_UP = 1 << 25,    // T
+    SIM_KEY_RIGHT_STICK_DOWN = 1 << 26,  // G
 };
 struct sim_window_input {
     uint32_t keys;

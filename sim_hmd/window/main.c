@@ -2,6 +2,7 @@
 // Started by the runtime (window.c) with the shared memory at descriptor 3 and a socket at 4 whose
 // other end closes when the runtime's process is gone. Not for people to start.
 
+#include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -11,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "sim_hmd/window/window.h"
+#include "sim_hmd/window/arrange.h"
 #include "sim_hmd/window/screen.h"
 #include "sim_hmd/window/shared.h"
 
@@ -25,6 +26,11 @@ struct app {
     double pointer_x, pointer_y;
     double mouse_x, mouse_y, wheel; // accumulated
     uint32_t buttons;               // sim_key bits of the mouse
+    struct sim_pair pair;           // the last picture
+    uint8_t *arranged;
+    enum sim_window_layout layout;
+    int pictures; // since the title was written
+    double titled_s;
 };
 
 static const struct {
@@ -44,7 +50,23 @@ static const struct {
             {GLFW_KEY_LEFT_ALT, SIM_KEY_HAND_LEFT},
             {GLFW_KEY_2, SIM_KEY_HAND_RIGHT},
             {GLFW_KEY_RIGHT_ALT, SIM_KEY_HAND_RIGHT},
-            {GLFW_KEY_R, SIM_KEY_RECENTRE}};
+            {GLFW_KEY_R, SIM_KEY_RECENTRE},
+            {GLFW_KEY_I, SIM_KEY_STICK_UP},
+            {GLFW_KEY_K, SIM_KEY_STICK_DOWN},
+            {GLFW_KEY_J, SIM_KEY_STICK_LEFT},
+            {GLFW_KEY_L, SIM_KEY_STICK_RIGHT},
+            {GLFW_KEY_U, SIM_KEY_TURN_LEFT},
+            {GLFW_KEY_O, SIM_KEY_TURN_RIGHT},
+            {GLFW_KEY_T, SIM_KEY_RIGHT_STICK_UP},
+            {GLFW_KEY_G, SIM_KEY_RIGHT_STICK_DOWN},
+            {GLFW_KEY_X, SIM_KEY_X},
+            {GLFW_KEY_Y, SIM_KEY_Y},
+            {GLFW_KEY_C, SIM_KEY_A},
+            {GLFW_KEY_V, SIM_KEY_B},
+            {GLFW_KEY_M, SIM_KEY_MENU},
+            {GLFW_KEY_F1, SIM_KEY_MENU},
+            {GLFW_KEY_F11, SIM_KEY_RIGHT_STICK_CLICK},
+            {GLFW_KEY_F12, SIM_KEY_STICK_CLICK}};
 
 static void capture_mouse(struct app *app, bool captured) {
     app->captured = captured;
@@ -61,6 +83,10 @@ static void on_key(GLFWwindow *window, int key, int code, int action, int mods) 
         glfwSetWindowShouldClose(window, GLFW_TRUE);
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB)
         capture_mouse(app, !app->captured);
+    if (action == GLFW_PRESS && key == GLFW_KEY_F2 && app->shared->split_px > 0) {
+        app->layout = (app->layout + 1) % SIM_WINDOW_LAYOUT_COUNT;
+        app->redraw = true;
+    }
 }
 
 static void on_button(GLFWwindow *window, int button, int action, int mods) {
@@ -139,7 +165,8 @@ static struct sim_window_shared *map_memory(void) {
         return NULL;
     struct sim_window_shared *shared = mapped;
     if (shared->version != SIM_WINDOW_VERSION || shared->width_px - 1 >= SIM_WINDOW_MAX_SIDE ||
-        shared->height_px - 1 >= SIM_WINDOW_MAX_SIDE ||
+        shared->height_px - 1 >= SIM_WINDOW_MAX_SIDE || shared->split_px >= shared->width_px ||
+        shared->layout >= SIM_WINDOW_LAYOUT_COUNT ||
         sim_window_memory_bytes(shared) > (size_t)info.st_size)
         return NULL;
     return shared;
@@ -155,13 +182,33 @@ static void say(struct sim_window_shared *shared, const char *why, enum sim_wind
     atomic_store_explicit(&shared->state, state, memory_order_release);
 }
 
+static void write_title(const struct app *app, double rate_hz, char title[256]) {
+    char rate[32] = "";
+    if (!isnan(rate_hz))
+        snprintf(rate, sizeof rate, " - %.0f fps", rate_hz);
+    snprintf(title, 256,
+             "%.120s%s - click: look, Tab: let go, WASD QE: move, 1/2: hands, M: menu%s, Esc: end",
+             app->shared->title, rate, app->pair.split_px > 0 ? ", F2: layout" : "");
+}
+
+// How many pictures a second are shown, about once a second.
+static void count_picture(struct app *app) {
+    double now = glfwGetTime();
+    app->pictures++;
+    if (now - app->titled_s < 1)
+        return;
+    char title[256];
+    write_title(app, app->pictures / (now - app->titled_s), title);
+    glfwSetWindowTitle(app->window, title);
+    app->pictures = 0;
+    app->titled_s = now;
+}
+
 static bool open_window(struct app *app) {
     if (!glfwInit())
         return false;
     char title[256];
-    snprintf(title, sizeof title,
-             "%.120s - click: look, Tab: let go, WASD QE: move, 1/2: hands, Esc: end",
-             app->shared->title);
+    write_title(app, NAN, title);
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
     app->window = glfwCreateWindow((int)app->shared->width_px, (int)app->shared->height_px, title,
                                    NULL, NULL);
@@ -177,6 +224,14 @@ static bool open_window(struct app *app) {
     return true;
 }
 
+static enum ap_status draw(struct ap_error *err, struct app *app, struct sim_screen *screen) {
+    if (!app->pair.rgba)
+        return sim_screen_draw(err, screen, NULL, app->pair.width_px, app->pair.height_px);
+    uint32_t width_px, height_px;
+    sim_arrange(&app->pair, app->layout, app->arranged, &width_px, &height_px);
+    return sim_screen_draw(err, screen, app->arranged, width_px, height_px);
+}
+
 static enum ap_status run(struct ap_error *err, struct app *app, struct sim_screen *screen) {
     uint32_t front = 2;
     double before = glfwGetTime();
@@ -190,9 +245,12 @@ static enum ap_status run(struct ap_error *err, struct app *app, struct sim_scre
         if (fresh)
             front = atomic_exchange_explicit(&app->shared->middle, front, memory_order_acq_rel) %
                     SIM_WINDOW_FRESH;
+        if (fresh) {
+            app->pair.rgba = sim_window_picture(app->shared, front);
+            count_picture(app);
+        }
         if (fresh || app->redraw || !screen->swapchain)
-            st =
-                sim_screen_draw(err, screen, fresh ? sim_window_picture(app->shared, front) : NULL);
+            st = draw(err, app, screen);
         app->redraw = false;
         if (fresh)
             glfwPollEvents();
@@ -216,6 +274,15 @@ int main(void) {
               stderr);
         return 2;
     }
+    app.layout = (enum sim_window_layout)app.shared->layout;
+    app.pair = (struct sim_pair){.width_px = app.shared->width_px,
+                                 .height_px = app.shared->height_px,
+                                 .split_px = app.shared->split_px};
+    app.arranged = malloc(sim_window_picture_bytes(app.shared));
+    if (!app.arranged) {
+        say(app.shared, "out of memory", SIM_WINDOW_FAILED);
+        return 4;
+    }
     if (!open_window(&app)) {
         const char *why = NULL;
         glfwGetError(&why);
@@ -235,5 +302,6 @@ int main(void) {
     sim_screen_close(&screen);
     glfwDestroyWindow(app.window);
     glfwTerminate();
+    free(app.arranged);
     return (int)st;
 }

@@ -215,17 +215,18 @@ void sim_screen_close(struct sim_screen *s) {
 
 // Where the picture goes: as large as fits, in the middle.
 static VkImageBlit place(const struct sim_screen *s) {
-    double across = (double)s->extent.width / s->width_px;
-    double down = (double)s->extent.height / s->height_px;
+    double across = (double)s->extent.width / s->shown_width_px;
+    double down = (double)s->extent.height / s->shown_height_px;
     double scale = across < down ? across : down;
-    int32_t width = (int32_t)(scale * s->width_px), height = (int32_t)(scale * s->height_px);
+    int32_t width = (int32_t)(scale * s->shown_width_px),
+            height = (int32_t)(scale * s->shown_height_px);
     width = width > 0 ? width : 1;
     height = height > 0 ? height : 1;
     int32_t x = ((int32_t)s->extent.width - width) / 2,
             y = ((int32_t)s->extent.height - height) / 2;
     return (VkImageBlit){
         .srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-        .srcOffsets = {{0, 0, 0}, {(int32_t)s->width_px, (int32_t)s->height_px, 1}},
+        .srcOffsets = {{0, 0, 0}, {(int32_t)s->shown_width_px, (int32_t)s->shown_height_px, 1}},
         .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
         .dstOffsets = {{x, y, 0}, {x + width, y + height, 1}}};
 }
@@ -233,7 +234,7 @@ static VkImageBlit place(const struct sim_screen *s) {
 static void record(const struct sim_screen *s, VkCommandBuffer cmd, VkImage onto) {
     const VkImageAspectFlags color = VK_IMAGE_ASPECT_COLOR_BIT;
     VkBufferImageCopy all = {.imageSubresource = {color, 0, 0, 1},
-                             .imageExtent = {s->width_px, s->height_px, 1}};
+                             .imageExtent = {s->shown_width_px, s->shown_height_px, 1}};
     VkClearColorValue grey = {.float32 = {0.05f, 0.05f, 0.05f, 1}};
     VkImageSubresourceRange range = {color, 0, 1, 0, 1};
     VkImageBlit blit = place(s);
@@ -285,9 +286,15 @@ static bool stale(VkResult result) {
     return result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR;
 }
 
-enum ap_status sim_screen_draw(struct ap_error *err, struct sim_screen *s, const void *rgba) {
+enum ap_status sim_screen_draw(struct ap_error *err, struct sim_screen *s, const void *rgba,
+                               uint32_t width_px, uint32_t height_px) {
+    size_t bytes = (size_t)width_px * height_px * 4;
+    s->shown_width_px = width_px;
+    s->shown_height_px = height_px;
     if (rgba)
-        memcpy(s->staging.mapped, rgba, (size_t)s->width_px * s->height_px * 4);
+        memcpy(s->staging.mapped, rgba, bytes);
+    else
+        memset(s->staging.mapped, 0, bytes);
     enum ap_status st = s->swapchain ? AP_OK : make_swapchain(err, s);
     if (st || !s->swapchain)
         return st;

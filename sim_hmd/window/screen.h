@@ -19,7 +19,8 @@ struct sim_screen {
     VkSemaphore drawn[SIM_SCREEN_MAX_IMAGES], acquired;
     uint32_t image_count;
     VkFence fence;
-    uint32_t width_px, height_px; // of the pictures
+    uint32_t width_px, height_px; // of the largest picture
+    uint32_t shown_width_px, shown_height_px;
     struct ap_gpu_buffer staging;
     struct ap_gpu_image picture;
 };
@@ -29,7 +30,8 @@ enum ap_status sim_screen_open(struct ap_error *err, GLFWwindow *window, uint32_
                                uint32_t height_px, struct sim_screen *screen);
 void sim_screen_close(struct sim_screen *screen);
 
-// R,G,B,A bytes; NULL: the last ones again.
-enum ap_status sim_screen_draw(struct ap_error *err, struct sim_screen *screen, const void *rgba);
+// R,G,B,A bytes of a picture of this size, at most the screen's; NULL: black.
+enum ap_status sim_screen_draw(struct ap_error *err, struct sim_screen *screen, const void *rgba,
+                               uint32_t width_px, uint32_t height_px);
 
 #endif

@@ -10,7 +10,7 @@
 // swaps its own for the middle one, so neither ever waits for the other nor sees half a picture.
 // Both are of one build; version tells where they are not. Neither trusts an index it reads.
 enum {
-    SIM_WINDOW_VERSION = 1,
+    SIM_WINDOW_VERSION = 2,
     SIM_WINDOW_FRESH = 4, // set in middle when the runtime put it there
     SIM_WINDOW_MAX_SIDE = 4096,
     SIM_WINDOW_MEMORY_FD = 3, // in the window's program
@@ -25,7 +25,7 @@ enum sim_window_state {
 };
 
 struct sim_window_shared {
-    uint32_t version, width_px, height_px;
+    uint32_t version, width_px, height_px, split_px, layout;
     _Atomic uint32_t middle;                 // index 0…2, SIM_WINDOW_FRESH
     _Atomic uint32_t state;                  // enum sim_window_state, by the window
     _Atomic uint32_t keys;                   // enum sim_key bits

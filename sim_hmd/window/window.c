@@ -112,6 +112,8 @@ static enum ap_status share_memory(struct ap_error *err, const struct sim_window
     struct sim_window_shared shared = {.version = SIM_WINDOW_VERSION,
                                        .width_px = params->width_px,
                                        .height_px = params->height_px,
+                                       .split_px = params->split_px,
+                                       .layout = params->layout,
                                        .middle = 1};
     strncpy(shared.title, params->title && *params->title ? params->title : "antipode",
             sizeof shared.title - 1);
@@ -152,6 +154,9 @@ enum ap_status sim_window_open(struct ap_error *err, const struct sim_window_par
         params->height_px > SIM_WINDOW_MAX_SIDE)
         return ap_fail(err, AP_USAGE, "a window of %ux%u pixels: expected 1 to %d each way",
                        params->width_px, params->height_px, SIM_WINDOW_MAX_SIDE);
+    if (params->split_px >= params->width_px)
+        return ap_fail(err, AP_USAGE, "a window of %u pixels cannot begin its right eye at %u",
+                       params->width_px, params->split_px);
     char *found = params->program ? strdup(params->program) : find_program();
     if (!found)
         return ap_fail(err, AP_ENVIRONMENT,

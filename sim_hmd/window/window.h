@@ -12,10 +12,20 @@
 // this process does. Keys: docs/capture-composition.md.
 struct sim_window;
 
+enum sim_window_layout {
+    SIM_WINDOW_PAIR,
+    SIM_WINDOW_CROSS,
+    SIM_WINDOW_ANAGLYPH,
+    SIM_WINDOW_LEFT,
+    SIM_WINDOW_LAYOUT_COUNT
+};
+
 struct sim_window_params {
     const char *program; // NULL: found beside the runtime library, or in ../libexec/antipode
     const char *title;   // NULL: "antipode"
-    uint32_t width_px, height_px; // of the pictures, both eyes side by side; 1…4096
+    uint32_t width_px, height_px;  // of the pictures, both eyes side by side; 1…4096
+    uint32_t split_px;             // where the right eye's part begins; 0: there is one eye only
+    enum sim_window_layout layout; // at first; F2 takes the next, where there are two eyes
 };
 
 // Starts the program. AP_ENVIRONMENT where it is not there or does not start; whether it can open a

@@ -178,6 +178,8 @@ static enum ap_status run_sim(struct ap_error *err, int argc, char **argv) {
         {"controllers", AP_OPTION_TEXT, &o.controllers, "PROFILE",
          "what the hands hold, as valve/index_controller"},
         {"window", AP_OPTION_FLAG, &o.window, "", "show the eyes in a window"},
+        {"layout", AP_OPTION_CHOICE, &o.layout, "pair|left|right|cross|anaglyph",
+         "of the window (pair)"},
         {"strict", AP_OPTION_FLAG, &o.strict, "", "report calls that break the specification"},
         AP_LOG_OPTION_TABLE(o.logs),
         {"timeout", AP_OPTION_NUMBER, &o.timeout_s, "S", "stop the program after S seconds"},

@@ -20,7 +20,7 @@ struct ap_sim_options {
     double refresh_hz; // NAN: the profile's
     double frames;     // NAN: no limit
     const char *capture, *capture_frames;
-    const char *format, *log; // NULL: not given
+    const char *format, *log, *layout; // NULL: not given
     bool layers, lens, force, draw_all, window, strict;
     const char *controllers; // NULL: the runtime's choice
     double timeout_s;        // NAN: none

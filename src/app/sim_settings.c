@@ -112,6 +112,8 @@ enum ap_status ap_sim_check(struct ap_error *err, const struct ap_sim_options *o
         st = ap_fail(err, AP_USAGE,
                      "--capture-frames, --layers, --lens, --format, --log and --force need "
                      "--capture DIR");
+    if (!st && o->layout && !o->window)
+        st = ap_fail(err, AP_USAGE, "--layout needs --window");
     if (!st && o->capture_frames)
         st = ap_range_parse(err, o->capture_frames, &range);
     if (!st && o->logs.table_at)
@@ -245,7 +247,7 @@ static json_t *settings_json(const struct ap_sim_options *o, const char *strict_
     if (o->capture)
         ok = ok && set(root, "capture", capture_json(o));
     if (o->window)
-        ok = ok && set(root, "window", json_true());
+        ok = ok && set(root, "window", o->layout ? json_string(o->layout) : json_true());
     if (o->strict)
         ok = ok && set(root, "strict", json_true()) &&
              set(root, "strict_report", path_json("", 0, strict_report));

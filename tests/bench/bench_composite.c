@@ -310,7 +310,7 @@ static struct sim_plan plan;
 // As the compositor does it, without the read-back.
 static double compose(void) {
     struct ap_error err;
-    sim_plan_make(&settings, &frame, false, &plan);
+    sim_plan_make(&settings, &frame, 0, &plan);
     begin();
     for (uint32_t k = 0; k < plan.use_count; k++) {
         plan.uses[k].layout = VK_IMAGE_LAYOUT_GENERAL; // as the images are here
@@ -348,7 +348,7 @@ static double draw_textured(void) {
     struct sim_frame kept = frame;
     frame.layer_count = 0;
     add(SIM_LAYER_PROJECTION, false);
-    sim_plan_make(&settings, &frame, false, &plan);
+    sim_plan_make(&settings, &frame, 0, &plan);
     plan.uses[0].layout = plan.uses[1].layout = VK_IMAGE_LAYOUT_GENERAL;
     begin();
     for (int eye = 0; eye < 2; eye++) {

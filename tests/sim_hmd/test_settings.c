@@ -103,6 +103,9 @@ static void everything_is_read(void **state) {
     s = good("{\"poses\": {\"window\": true}}");
     assert_true(s.poses == SIM_POSES_WINDOW && s.window);
     sim_settings_finish(&s);
+    s = good("{\"poses\": {\"window\": true}, \"window\": \"left\"}");
+    assert_true(s.poses == SIM_POSES_WINDOW && s.window && s.window_layout == SIM_LAYOUT_LEFT);
+    sim_settings_finish(&s);
 }
 
 static void capture_outputs(void **state) {
@@ -138,6 +141,7 @@ static void errors_name_their_place(void **state) {
     bad("{\"frames\": 1.5}", "/frames");
     bad("{\"frames\": -1}", "/frames");
     bad("{\"window\": 1}", "/window");
+    bad("{\"window\": \"round\"}", "/window");
     bad("{\"strict\": 1}", "/strict");
     bad("{\"strict_report\": \"r\"}", "/strict_report: there is no report without");
     bad("{\"poses\": {}}", "/poses");

@@ -15,6 +15,8 @@
 
 #include <cmocka.h>
 
+#include "sim_hmd/input/source.h"
+#include "sim_hmd/window/arrange.h"
 #include "sim_hmd/window/window.h"
 #include "src/base/clock.h"
 #include "src/base/file.h"
@@ -64,7 +66,7 @@ static struct sim_window *open_window(void) {
     struct sim_window *window;
     struct ap_error err = {{0}};
     struct sim_window_params params = {
-        .program = program, .title = "test", .width_px = W, .height_px = H};
+        .program = program, .title = "test", .width_px = W, .height_px = H, .split_px = W / 2};
     if (sim_window_open(&err, &params, &window))
         fail_msg("%s", err.text);
     return window;
@@ -145,6 +147,9 @@ static bool moved(const struct sim_window_input *i) {
 static bool squeezed(const struct sim_window_input *i) {
     return i->keys == SIM_KEY_SQUEEZE;
 }
+static bool menu_and_stick(const struct sim_window_input *i) {
+    return i->keys == (SIM_KEY_MENU | SIM_KEY_STICK_UP | SIM_KEY_TURN_LEFT);
+}
 static bool closed(const struct sim_window_input *i) {
     return i->closed;
 }
@@ -168,6 +173,22 @@ static void picture_and_keys(void **state) {
     wait_for(window, hand_up, "1, E and space");
     run("xdotool keyup 1 keyup e keyup space");
     wait_for(window, nothing, "keys let go");
+    run("xdotool keydown F1 keydown i keydown u");
+    wait_for(window, menu_and_stick, "F1, I and U");
+    run("xdotool keyup F1 keyup i keyup u");
+    wait_for(window, nothing, "keys let go");
+    // F2: crossed eyes, the anaglyph (of green and blue: the left's luminance in red), left alone
+    // (as large as fits: the window's whole height), and side by side again.
+    const uint8_t mixed[3] = {157, 57, 211};
+    run("xdotool key F2");
+    wait_for_color(green, W * H / 2);
+    run("xdotool key F2");
+    wait_for_color(mixed, W * H / 2);
+    run("xdotool key F2");
+    wait_for_color(blue, 0);
+    assert_int_equal(seen(green), W * H / 2);
+    run("xdotool key F2");
+    wait_for_color(blue, W * H / 2);
     run("xdotool keydown Right");
     wait_for(window, turned, "the right arrow");
     run("xdotool keyup Right");
@@ -234,6 +255,98 @@ static void no_display(void **state) {
     assert_int_equal(sim_window_open(&err, &params, &window), AP_USAGE);
 }
 
+// What is arranged, pixel by pixel, with parts of different widths.
+static void arrangements(void **state) {
+    (void)state;
+    enum { PAIR_W = 5, PAIR_H = 2, SPLIT = 3 };
+    uint8_t rgba[4 * PAIR_W * PAIR_H], out[sizeof rgba];
+    for (size_t k = 0; k < sizeof rgba; k++)
+        rgba[k] = k % 4 == 3 ? 255 : (uint8_t)(k * 37 + 11);
+    const struct sim_pair pair = {rgba, PAIR_W, PAIR_H, SPLIT};
+    uint32_t w, h;
+    sim_arrange(&pair, SIM_WINDOW_PAIR, out, &w, &h);
+    assert_true(w == PAIR_W && h == PAIR_H && memcmp(out, rgba, sizeof rgba) == 0);
+    sim_arrange(&pair, SIM_WINDOW_CROSS, out, &w, &h);
+    assert_true(w == PAIR_W && h == PAIR_H);
+    for (uint32_t y = 0; y < PAIR_H; y++)
+        for (uint32_t x = 0; x < PAIR_W; x++)
+            assert_memory_equal(out + 4 * (y * PAIR_W + x),
+                                rgba + 4 * (y * PAIR_W + (x + SPLIT) % PAIR_W), 4);
+    sim_arrange(&pair, SIM_WINDOW_LEFT, out, &w, &h);
+    assert_true(w == SPLIT && h == PAIR_H);
+    assert_memory_equal(out + 4 * SPLIT, rgba + 4 * PAIR_W, 4 * SPLIT);
+    sim_arrange(&pair, SIM_WINDOW_ANAGLYPH, out, &w, &h);
+    assert_true(w == PAIR_W - SPLIT && h == PAIR_H);
+    // As the pictures of `replay` have it.
+    struct ap_image left = {SPLIT - 1, PAIR_H, NULL}, right = left, want;
+    uint8_t l[2][3 * 2 * PAIR_H];
+    for (uint32_t k = 0; k < 2 * PAIR_H; k++)
+        for (int eye = 0; eye < 2; eye++)
+            memcpy(l[eye] + 3 * k, rgba + 4 * (k / 2 * PAIR_W + (eye ? SPLIT : 0) + k % 2), 3);
+    left.rgb = l[0];
+    right.rgb = l[1];
+    assert_int_equal(ap_image_anaglyph(NULL, &left, &right, &want), AP_OK);
+    for (uint32_t k = 0; k < 2 * PAIR_H; k++)
+        for (int c = 0; c < 3; c++)
+            if (abs(out[4 * k + c] - want.rgb[3 * k + c]) > 1)
+                fail_msg("anaglyph: pixel %u, channel %d is %d, the pictures' is %d", k, c,
+                         out[4 * k + c], want.rgb[3 * k + c]);
+    ap_image_finish(&want);
+    const struct sim_pair alone = {rgba, PAIR_W, PAIR_H, 0};
+    sim_arrange(&alone, SIM_WINDOW_ANAGLYPH, out, &w, &h);
+    assert_true(w == PAIR_W && memcmp(out, rgba, sizeof rgba) == 0);
+}
+
+static void check_component(const struct sim_source *source, const char *profile, const char *path,
+                            int top, enum sim_kind kind, float x, float y) {
+    int found = sim_profile_find(profile), at;
+    const struct sim_component *c = sim_profile_component(found, path, kind, &at);
+    float value[2] = {9, 9};
+    if (!c || at != top)
+        fail_msg("%s: no such input", path);
+    if (!sim_source_component(source, c, top, 1000000000, value))
+        fail_msg("%s: the keys say nothing", path);
+    if (value[0] != x || (kind == SIM_VEC2 && value[1] != y))
+        fail_msg("%s is %g %g, expected %g %g", path, (double)value[0], (double)value[1], (double)x,
+                 (double)y);
+}
+
+// The keys are sticks and buttons of whatever the hands hold.
+static void keys_are_controllers(void **state) {
+    (void)state;
+    static const char touch[] = "/interaction_profiles/oculus/touch_controller";
+    static const char vive[] = "/interaction_profiles/htc/vive_controller";
+    struct sim_settings settings;
+    struct sim_source *source;
+    struct ap_error err;
+    assert_int_equal(sim_settings_read(&err, NULL, &settings), AP_OK);
+    settings.poses = SIM_POSES_WINDOW;
+    if (sim_source_create(&err, &settings, &source))
+        fail_msg("%s", err.text);
+    const struct sim_window_input keys = {.keys = SIM_KEY_STICK_UP | SIM_KEY_STICK_LEFT |
+                                                  SIM_KEY_TURN_RIGHT | SIM_KEY_Y | SIM_KEY_A |
+                                                  SIM_KEY_MENU | SIM_KEY_STICK_CLICK};
+    sim_source_input(source, &keys, 0.01);
+    check_component(source, touch, "/user/hand/left/input/thumbstick", SIM_TOP_LEFT, SIM_VEC2, -1,
+                    1);
+    check_component(source, touch, "/user/hand/left/input/thumbstick/y", SIM_TOP_LEFT, SIM_FLOAT, 1,
+                    0);
+    check_component(source, touch, "/user/hand/right/input/thumbstick", SIM_TOP_RIGHT, SIM_VEC2, 1,
+                    0);
+    check_component(source, vive, "/user/hand/right/input/trackpad/x", SIM_TOP_RIGHT, SIM_FLOAT, 1,
+                    0);
+    check_component(source, touch, "/user/hand/left/input/x/click", SIM_TOP_LEFT, SIM_BOOL, 0, 0);
+    check_component(source, touch, "/user/hand/left/input/y/click", SIM_TOP_LEFT, SIM_BOOL, 1, 0);
+    check_component(source, touch, "/user/hand/right/input/a/click", SIM_TOP_RIGHT, SIM_BOOL, 1, 0);
+    check_component(source, touch, "/user/hand/left/input/menu/click", SIM_TOP_LEFT, SIM_BOOL, 1,
+                    0);
+    check_component(source, vive, "/user/hand/left/input/menu/click", SIM_TOP_LEFT, SIM_BOOL, 1, 0);
+    check_component(source, touch, "/user/hand/left/input/thumbstick/click", SIM_TOP_LEFT, SIM_BOOL,
+                    1, 0);
+    sim_source_destroy(source);
+    sim_settings_finish(&settings);
+}
+
 int main(void) {
     if (system("command -v Xvfb xdotool import >/dev/null 2>&1") != 0) {
         puts("skipped: Xvfb, xdotool or ImageMagick's import is not installed");
@@ -249,8 +362,8 @@ int main(void) {
     }
     close(fd);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(picture_and_keys),
-        cmocka_unit_test(goes_with_the_runtime),
+        cmocka_unit_test(arrangements),     cmocka_unit_test(keys_are_controllers),
+        cmocka_unit_test(picture_and_keys), cmocka_unit_test(goes_with_the_runtime),
         cmocka_unit_test(no_display),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
