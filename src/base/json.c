@@ -16,9 +16,15 @@ enum ap_status ap_json_read(struct ap_error *err, const char *path, json_t **roo
     enum ap_status st = ap_file_read(err, path, MAX_DOCUMENT_BYTES, &bytes, &len);
     if (st)
         return st;
+    st = ap_json_parse(err, path, bytes, len, root);
+    free(bytes);
+    return st;
+}
+
+enum ap_status ap_json_parse(struct ap_error *err, const char *path, const char *bytes, size_t len,
+                             json_t **root) {
     json_error_t why;
     json_t *value = json_loadb(bytes, len, JSON_REJECT_DUPLICATES, &why);
-    free(bytes);
     if (!value)
         return ap_fail(err, AP_INPUT, "%s:%d:%d: not JSON: %s", path, why.line, why.column,
                        why.text);

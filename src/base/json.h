@@ -13,6 +13,10 @@
 // json_decref()s *root. AP_INPUT with line and column on a syntax error.
 enum ap_status ap_json_read(struct ap_error *err, const char *path, json_t **root);
 
+// The same of bytes that are there already; `path` names them in messages.
+enum ap_status ap_json_parse(struct ap_error *err, const char *path, const char *bytes, size_t len,
+                             json_t **root);
+
 // A value and how it was reached; a cursor lives on the stack and points to its parent's.
 struct ap_json_at {
     const json_t *value;

@@ -1,11 +1,10 @@
 #include "src/device/handlog.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "src/device/handlog_format.h"
+#include "src/device/poselog_document.h"
 
 // As in timeline.c: farther apart than this, the hand was lost.
 static const int64_t LOST_AFTER_NS = 100000000;
@@ -80,29 +79,25 @@ enum ap_status ap_handlog_add(struct ap_error *err, struct ap_handlog *log, int 
     return AP_OK;
 }
 
-// JSON begins with a brace; no header of ours does.
-static enum ap_status looks_like_json(struct ap_error *err, const char *path, bool *json) {
-    FILE *file = fopen(path, "rbe");
-    if (!file)
-        return ap_fail(err, AP_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
-    int c;
-    do
-        c = getc(file);
-    while (c == ' ' || c == '\t' || c == '\r' || c == '\n');
-    fclose(file);
-    *json = c == '{';
-    return AP_OK;
+static enum ap_status read_file(struct ap_error *err, const char *path, struct ap_handlog *log) {
+    struct ap_line_reader reader;
+    const char *bytes;
+    size_t len;
+    enum ap_status st = ap_line_reader_open(err, &reader, path);
+    if (!st)
+        st = ap_line_reader_peek(err, &reader, &bytes, &len);
+    if (!st)
+        st = ap_log_is_document(bytes, len) ? ap_handlog_read_iwer(err, &reader, log)
+                                            : ap_handlog_read_csv(err, &reader, log);
+    ap_line_reader_close(&reader);
+    return st;
 }
 
 enum ap_status ap_handlog_read(struct ap_error *err, const char *path, struct ap_handlog **log) {
-    bool json = false;
-    enum ap_status st = looks_like_json(err, path, &json);
-    if (st)
-        return st;
     struct ap_handlog *l = calloc(1, sizeof *l);
     if (!l)
         return ap_fail(err, AP_ENVIRONMENT, "out of memory for the hands");
-    st = json ? ap_handlog_read_iwer(err, path, l) : ap_handlog_read_csv(err, path, l);
+    enum ap_status st = read_file(err, path, l);
     if (!st && !l->hand[AP_HAND_LEFT].count && !l->hand[AP_HAND_RIGHT].count)
         st = ap_fail(err, AP_INPUT, "%s: holds no hand", path);
     if (st)

@@ -26,7 +26,7 @@ struct pending {
 };
 
 struct reading {
-    struct ap_line_reader lines;
+    struct ap_line_reader *lines;
     struct ap_handlog *log;
     struct pending pending[AP_HAND_COUNT];
     bool has_header;
@@ -74,7 +74,7 @@ static bool parse_row(const char *line, size_t len, struct row *row, struct ap_b
 
 static enum ap_status reject(struct ap_error *err, const struct reading *r,
                              const struct ap_bad_line *bad) {
-    return ap_fail(err, AP_INPUT, "%s:%" PRId64 ":%zu: expected %s", r->lines.name, r->lines.line,
+    return ap_fail(err, AP_INPUT, "%s:%" PRId64 ":%zu: expected %s", r->lines->name, r->lines->line,
                    bad->column, bad->expected);
 }
 
@@ -90,12 +90,13 @@ static enum ap_status flush(struct ap_error *err, struct reading *r, int hand) {
             return ap_fail(err, AP_INPUT,
                            "%s:%" PRId64 ": expected all joints of the %s hand at %" PRId64
                            " ns before; there is no %s",
-                           r->lines.name, r->lines.line, hand == AP_HAND_LEFT ? "left" : "right",
+                           r->lines->name, r->lines->line, hand == AP_HAND_LEFT ? "left" : "right",
                            p->t_ns, ap_joint_name(j));
     p->joints = 0;
     struct ap_error why;
     enum ap_status st = ap_handlog_add(&why, r->log, hand, p->t_ns, &p->hand);
-    return st ? ap_fail(err, st, "%s:%" PRId64 ": %s", r->lines.name, r->lines.line, why.text) : st;
+    return st ? ap_fail(err, st, "%s:%" PRId64 ": %s", r->lines->name, r->lines->line, why.text)
+              : st;
 }
 
 static enum ap_status take_row(struct ap_error *err, struct reading *r, const char *line,
@@ -124,8 +125,8 @@ static enum ap_status take_row(struct ap_error *err, struct reading *r, const ch
 static enum ap_status take_line(struct ap_error *err, struct reading *r, enum ap_line_kind kind,
                                 const char *line, size_t len) {
     if (kind == AP_LINE_TOO_LONG)
-        return ap_fail(err, AP_INPUT, "%s:%" PRId64 ": line of more than %d bytes", r->lines.name,
-                       r->lines.line, AP_LINE_MAX);
+        return ap_fail(err, AP_INPUT, "%s:%" PRId64 ": line of more than %d bytes", r->lines->name,
+                       r->lines->line, AP_LINE_MAX);
     if (ap_log_line_is_empty(line, len))
         return AP_OK;
     if (r->has_header)
@@ -138,20 +139,20 @@ static enum ap_status take_line(struct ap_error *err, struct reading *r, enum ap
     return reject(err, r, &bad);
 }
 
-enum ap_status ap_handlog_read_csv(struct ap_error *err, const char *path, struct ap_handlog *log) {
-    struct reading r = {.log = log};
-    enum ap_status st = ap_line_reader_open(err, &r.lines, path);
+enum ap_status ap_handlog_read_csv(struct ap_error *err, struct ap_line_reader *reader,
+                                   struct ap_handlog *log) {
+    struct reading r = {.log = log, .lines = reader};
+    enum ap_status st = AP_OK;
     while (!st) {
         enum ap_line_kind kind;
         const char *line;
         size_t len;
-        st = ap_line_reader_next(err, &r.lines, &kind, &line, &len);
+        st = ap_line_reader_next(err, r.lines, &kind, &line, &len);
         if (st || kind == AP_LINE_END)
             break;
         st = take_line(err, &r, kind, line, len);
     }
     for (int hand = 0; !st && hand < AP_HAND_COUNT; hand++)
         st = flush(err, &r, hand);
-    ap_line_reader_close(&r.lines);
     return st;
 }

@@ -1,15 +1,13 @@
 #include "src/device/inputlog.h"
 
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "src/device/inputlog_build.h"
 #include "src/device/line_reader.h"
+#include "src/device/poselog_document.h"
 
 struct point {
     int64_t t_ns;
@@ -166,43 +164,45 @@ static enum ap_status take_line(struct ap_error *err, struct ap_inputlog *log, s
     return header ? take_header(err, r, line, len) : take_row(err, log, r, line, len);
 }
 
-// JSON begins with a brace, which no row does. Only a plain file can be read twice.
-static bool is_json(const char *path) {
-    struct stat info;
-    char first = 0;
-    int fd =
-        stat(path, &info) == 0 && S_ISREG(info.st_mode) ? open(path, O_RDONLY | O_CLOEXEC) : -1;
-    if (fd >= 0) {
-        if (read(fd, &first, 1) != 1)
-            first = 0;
-        close(fd);
-    }
-    return first == '{';
-}
-
-static enum ap_status read_file(struct ap_error *err, struct ap_inputlog *log, const char *path) {
-    struct reading r = {.last_t_ns = INT64_MIN};
-    for (int i = 0; i < log->channel_count; i++)
-        log->channels[i].first_of_file = log->channels[i].count;
-    if (is_json(path)) {
-        uint32_t rows = log->rows;
-        enum ap_status st = ap_inputlog_read_iwer(err, path, log);
-        return st || log->rows > rows ? st : ap_fail(err, AP_INPUT, "%s: no input in it", path);
-    }
-    enum ap_status st = ap_line_reader_open(err, &r.lines, path);
+static enum ap_status read_lines(struct ap_error *err, struct ap_inputlog *log, struct reading *r) {
+    enum ap_status st = AP_OK;
     while (!st) {
         enum ap_line_kind kind;
         const char *line = NULL;
         size_t len = 0;
-        st = ap_line_reader_next(err, &r.lines, &kind, &line, &len);
+        st = ap_line_reader_next(err, &r->lines, &kind, &line, &len);
         if (!st && kind == AP_LINE_END)
             break;
         if (!st)
-            st = take_line(err, log, &r, kind, line, len);
+            st = take_line(err, log, r, kind, line, len);
     }
-    if (!st && !r.begun)
-        st = ap_fail(err, AP_INPUT, "%s: no input in it; expected t_ns,device,path,value[,value2]",
-                     r.lines.name);
+    return !st && !r->begun
+               ? ap_fail(err, AP_INPUT,
+                         "%s: no input in it; expected t_ns,device,path,value[,value2]",
+                         r->lines.name)
+               : st;
+}
+
+static enum ap_status read_document(struct ap_error *err, struct ap_inputlog *log,
+                                    struct reading *r) {
+    uint32_t rows = log->rows;
+    enum ap_status st = ap_inputlog_read_iwer(err, &r->lines, log);
+    return st || log->rows > rows ? st
+                                  : ap_fail(err, AP_INPUT, "%s: no input in it", r->lines.name);
+}
+
+static enum ap_status read_file(struct ap_error *err, struct ap_inputlog *log, const char *path) {
+    struct reading r = {.last_t_ns = INT64_MIN};
+    const char *bytes;
+    size_t len;
+    for (int i = 0; i < log->channel_count; i++)
+        log->channels[i].first_of_file = log->channels[i].count;
+    enum ap_status st = ap_line_reader_open(err, &r.lines, path);
+    if (!st)
+        st = ap_line_reader_peek(err, &r.lines, &bytes, &len);
+    if (!st)
+        st =
+            ap_log_is_document(bytes, len) ? read_document(err, log, &r) : read_lines(err, log, &r);
     ap_line_reader_close(&r.lines);
     return st;
 }

@@ -2,6 +2,7 @@
 #define ANTIPODE_DEVICE_INPUTLOG_BUILD_H
 
 #include "src/device/inputlog.h"
+#include "src/device/line_reader.h"
 
 // What the readers of the formats share.
 
@@ -10,7 +11,7 @@
 enum ap_status ap_inputlog_add(struct ap_error *err, struct ap_inputlog *log,
                                const struct ap_input_row *row);
 
-enum ap_status ap_inputlog_read_iwer(struct ap_error *err, const char *path,
+enum ap_status ap_inputlog_read_iwer(struct ap_error *err, struct ap_line_reader *reader,
                                      struct ap_inputlog *log);
 
 #endif

@@ -1,10 +1,7 @@
 #include "src/device/line_reader.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 // Twice the longest line: one that lies across the end is moved to the front at most once per
 // AP_LINE_MAX bytes read.
@@ -12,15 +9,13 @@ enum { BUFFER_BYTES = 2 * AP_LINE_MAX };
 
 enum ap_status ap_line_reader_open(struct ap_error *err, struct ap_line_reader *reader,
                                    const char *path) {
-    bool standard = strcmp(path, "-") == 0;
-    *reader = (struct ap_line_reader){.name = standard ? "standard input" : path, .fd = -1};
+    *reader = (struct ap_line_reader){.name = path, .bytes = {.fd = -1}};
+    enum ap_status st = ap_byte_stream_open(err, &reader->bytes, path);
+    reader->name = reader->bytes.name;
+    if (st)
+        return st;
     reader->buffer = malloc(BUFFER_BYTES);
-    if (!reader->buffer)
-        return ap_fail(err, AP_ENVIRONMENT, "%s: out of memory", reader->name);
-    reader->fd = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
-    if (reader->fd < 0)
-        return ap_fail(err, AP_INPUT, "%s: cannot open: %s", path, strerror(errno));
-    return AP_OK;
+    return reader->buffer ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "%s: out of memory", reader->name);
 }
 
 static enum ap_status fill(struct ap_error *err, struct ap_line_reader *reader) {
@@ -29,14 +24,74 @@ static enum ap_status fill(struct ap_error *err, struct ap_line_reader *reader) 
         reader->end -= reader->start;
         reader->start = 0;
     }
-    ssize_t n;
-    do
-        n = read(reader->fd, reader->buffer + reader->end, BUFFER_BYTES - reader->end);
-    while (n < 0 && errno == EINTR);
-    if (n < 0)
-        return ap_fail(err, AP_INPUT, "%s: cannot read: %s", reader->name, strerror(errno));
-    reader->end += (size_t)n;
-    reader->at_end = n == 0;
+    size_t n = 0;
+    enum ap_status st = ap_byte_stream_read(err, &reader->bytes, reader->buffer + reader->end,
+                                            BUFFER_BYTES - reader->end, &n);
+    reader->end += n;
+    reader->at_end = !st && n == 0;
+    return st;
+}
+
+static bool says_something(const char *bytes, size_t len) {
+    for (size_t i = 0; i < len; i++)
+        if (!strchr(" \t\r\n\xef\xbb\xbf", bytes[i]) || !bytes[i])
+            return true;
+    return false;
+}
+
+enum ap_status ap_line_reader_peek(struct ap_error *err, struct ap_line_reader *reader,
+                                   const char **bytes, size_t *len) {
+    size_t have = reader->end - reader->start;
+    while (!reader->at_end && have < AP_LINE_MAX &&
+           (have < 4 || !says_something(reader->buffer + reader->start, have))) {
+        enum ap_status st = fill(err, reader);
+        if (st)
+            return st;
+        have = reader->end - reader->start;
+    }
+    *bytes = reader->buffer + reader->start;
+    *len = have < AP_LINE_MAX ? have : AP_LINE_MAX;
+    return AP_OK;
+}
+
+// Room for at least one byte more and a NUL.
+static bool make_room(char **bytes, size_t *room, size_t used) {
+    if (*bytes && *room - used >= 2)
+        return true;
+    char *more = realloc(*bytes, 2 * *room);
+    if (!more)
+        return false;
+    *bytes = more;
+    *room *= 2;
+    return true;
+}
+
+enum ap_status ap_line_reader_rest(struct ap_error *err, struct ap_line_reader *reader,
+                                   size_t max_len, char **bytes, size_t *len) {
+    size_t n = reader->end - reader->start, got = 1, room = BUFFER_BYTES;
+    char *all = NULL;
+    enum ap_status st = AP_OK;
+    while (!st && got && n <= max_len) {
+        if (!make_room(&all, &room, n)) {
+            st = ap_fail(err, AP_ENVIRONMENT, "%s: out of memory", reader->name);
+            break;
+        }
+        if (reader->start != reader->end)
+            memcpy(all, reader->buffer + reader->start, n);
+        reader->start = reader->end;
+        st = ap_byte_stream_read(err, &reader->bytes, all + n, room - n - 1, &got);
+        n += st ? 0 : got;
+    }
+    if (!st && n > max_len)
+        st = ap_fail(err, AP_INPUT, "%s: larger than %zu bytes", reader->name, max_len);
+    if (st) {
+        free(all);
+        return st;
+    }
+    reader->at_end = true;
+    all[n] = '\0';
+    *bytes = all;
+    *len = n;
     return AP_OK;
 }
 
@@ -105,9 +160,7 @@ void ap_line_reader_unread(struct ap_line_reader *reader) {
 }
 
 void ap_line_reader_close(struct ap_line_reader *reader) {
-    if (reader->fd > STDIN_FILENO)
-        close(reader->fd);
-    reader->fd = -1;
+    ap_byte_stream_close(&reader->bytes);
     free(reader->buffer);
     reader->buffer = NULL;
 }

@@ -6,8 +6,9 @@
 #include <stdint.h>
 
 #include "src/base/status.h"
+#include "src/device/byte_stream.h"
 
-// Lines of a file or of standard input through one buffer of fixed size.
+// Lines of a file or of standard input, packed or not, through one buffer of fixed size.
 
 enum { AP_LINE_MAX = 1 << 16 }; // bytes, without the line's end
 
@@ -15,7 +16,7 @@ enum ap_line_kind { AP_LINE_TEXT, AP_LINE_TOO_LONG, AP_LINE_END };
 
 struct ap_line_reader {
     const char *name; // for messages; the caller's
-    int fd;           // −1: closed
+    struct ap_byte_stream bytes;
     char *buffer;
     size_t start, end; // what is not yet handed out
     size_t line_start; // of the newest line
@@ -31,6 +32,16 @@ enum ap_status ap_line_reader_open(struct ap_error *err, struct ap_line_reader *
 // call. A line that is too long is passed over as a whole. Blocks on a pipe until a line is there.
 enum ap_status ap_line_reader_next(struct ap_error *err, struct ap_line_reader *reader,
                                    enum ap_line_kind *kind, const char **line, size_t *len);
+
+// What comes next, without taking it: up to AP_LINE_MAX bytes, as many as it needs for one that is
+// neither blank nor part of a byte order mark to be among them. Waits for it.
+enum ap_status ap_line_reader_peek(struct ap_error *err, struct ap_line_reader *reader,
+                                   const char **bytes, size_t *len);
+
+// All that is left, malloc'ed and NUL-terminated beyond *len; the caller frees it. AP_INPUT where
+// it is more than max_len.
+enum ap_status ap_line_reader_rest(struct ap_error *err, struct ap_line_reader *reader,
+                                   size_t max_len, char **bytes, size_t *len);
 
 // The newest line once more. Only directly after ap_line_reader_next gave AP_LINE_TEXT.
 void ap_line_reader_unread(struct ap_line_reader *reader);

@@ -36,10 +36,10 @@ static enum ap_status open_sources(struct ap_error *err, struct ap_poselog *log)
         enum ap_status st = ap_log_source_open(err, source, params->sources[i], params->skip_bad);
         if (st)
             return st;
-        if (source->reader.fd == 0 && have_stdin)
+        if (source->reader.bytes.fd == 0 && have_stdin)
             return ap_fail(err, AP_USAGE, "'%s': standard input can be read only once",
                            params->sources[i]);
-        have_stdin = have_stdin || source->reader.fd == 0;
+        have_stdin = have_stdin || source->reader.bytes.fd == 0;
     }
     return AP_OK;
 }
@@ -154,10 +154,13 @@ static struct ap_quat head_from_optical(struct ap_quat q) {
     return (struct ap_quat){q.w, q.z, -q.y, -q.x};
 }
 
-static struct ap_pose to_table(const struct ap_poselog *log, struct ap_pose pose, bool is_head) {
-    if (log->params.z_up)
+// A log's own options come before those of all logs.
+static struct ap_pose to_table(const struct ap_poselog *log, const struct ap_log_argument *own,
+                               struct ap_pose pose, bool is_head) {
+    bool all_optical = is_head && log->params.head_frame == AP_HEAD_FRAME_OPTICAL;
+    if (own->has_up ? own->z_up : log->params.z_up)
         pose = y_up_from_z_up(pose);
-    if (is_head && log->params.head_frame == AP_HEAD_FRAME_OPTICAL)
+    if (own->has_frame ? own->optical : all_optical)
         pose.q = head_from_optical(pose.q);
     if (log->params.has_table)
         pose = ap_pose_mul(log->table_from_room, pose);
@@ -182,14 +185,14 @@ static enum ap_status next(struct ap_error *err, struct ap_poselog *log, struct 
         struct ap_bad_line bad;
         if (accept(log, s, &device, &bad)) {
             log->given = s;
-            *sample =
-                (struct ap_sample){.t_ns = s->row.t_ns,
-                                   .device = device,
-                                   .pose = to_table(log, s->row.pose, log->devices[device].is_head),
-                                   .trigger = s->row.trigger,
-                                   .squeeze = s->row.squeeze,
-                                   .select = s->row.select,
-                                   .reset = s->row.reset};
+            *sample = (struct ap_sample){
+                .t_ns = s->row.t_ns,
+                .device = device,
+                .pose = to_table(log, &s->argument, s->row.pose, log->devices[device].is_head),
+                .trigger = s->row.trigger,
+                .squeeze = s->row.squeeze,
+                .select = s->row.select,
+                .reset = s->row.reset};
             *got = true;
             return AP_OK;
         }

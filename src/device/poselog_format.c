@@ -6,6 +6,7 @@
 
 #include "src/device/decimal.h"
 #include "src/device/poselog_fields.h"
+#include "src/device/poselog_named.h"
 #include "src/device/unit_quat.h"
 
 static bool is_blank(char c) {
@@ -111,8 +112,10 @@ enum ap_log_format ap_log_format_of(const char *line, size_t len) {
     double number;
     size_t commas = ap_split_commas(line, len, fields, 2) - 1;
     bool numeric = ap_decimal_double(fields[0].text, fields[0].len, &number);
+    if (commas && !numeric)
+        return ap_named_is_header(line, len) ? AP_LOG_NAMED : AP_LOG_CSV;
     if (commas)
-        return numeric ? AP_LOG_EUROC : AP_LOG_CSV;
+        return commas == 6 ? AP_LOG_IMU : AP_LOG_EUROC;
     if (!ap_split_blanks(line, len, fields, 2))
         return AP_LOG_UNKNOWN;
     if (ap_decimal_double(fields[0].text, fields[0].len, &number))

@@ -38,12 +38,21 @@ struct ap_bad_line {
     char expected[192];
 };
 
-enum ap_log_format { AP_LOG_UNKNOWN, AP_LOG_CSV, AP_LOG_TUM, AP_LOG_EUROC, AP_LOG_HID };
+enum ap_log_format {
+    AP_LOG_UNKNOWN,
+    AP_LOG_CSV,
+    AP_LOG_NAMED, // poselog_named.h
+    AP_LOG_TUM,
+    AP_LOG_EUROC,
+    AP_LOG_IMU, // poselog_imu.h
+    AP_LOG_HID,
+    AP_LOG_DOCUMENT, // poselog_document.h; no lines
+};
 
 // Blank, or a '#' comment.
 bool ap_log_line_is_empty(const char *line, size_t len);
 
-// By the first line that is neither. AP_LOG_CSV: that line is the header.
+// By the first line that is neither. AP_LOG_CSV, AP_LOG_NAMED: that line is the header.
 enum ap_log_format ap_log_format_of(const char *line, size_t len);
 
 // Where the columns of our own CSV stand.

@@ -137,7 +137,8 @@ static void test_unknown_formats(void **unused) {
                 "FILE:1:1: expected the header t_ns,device,px,py,pz,qx,qy,qz,qw[,…]; it has no qw");
     check_error(READ("t_ns,device,px,py,pz,qx,qy,qz,qw,px\n"), "",
                 "FILE:1:34: expected each column name once, not 'px' again");
-    check_error(READ("{\"json\": [1, 2]}"), "", "FILE:1:1: expected the header");
+    check_error(READ("{\"json\": [1, 2]}"), "", "FILE: /: expected a motion capture");
+    check_error(READ("0,1,2,3,1,0,0\n"), "", "FILE: no pose in it; rates and forces of fewer than");
     struct ap_error err;
     struct ap_poselog *log = NULL;
     const char *missing = "left=/nonexistent/log.csv", *folder = "/", *empty = "left=";
@@ -188,7 +189,8 @@ static const struct bad_case bad_cases[] = {
      "FILE:2:1: expected a time after the last one of 'head'"},
     {"0 1 2 3 0 0 0 1\n1 1 2 3 0 0 a 1\n", "0 head 1 2 3 0 0 0 1;",
      "FILE:2:13: expected a decimal number for qz"},
-    {"0,1,2,3,1,0,0\n", "", "FILE:1:14: expected at least 8 fields"},
+    {"0,1,2,3,1,0,0,0\n1,1,2,3,1,0,0\n", "0 head 1 2 3 0 0 0 1;",
+     "FILE:2:14: expected at least 8 fields"},
     {"0,1,2,3,1,0,0,\n", "", "FILE:1:15: expected a decimal number for qz"},
 };
 

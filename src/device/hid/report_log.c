@@ -25,6 +25,8 @@ struct device {
 
 struct ap_report_log {
     struct ap_field role;
+    struct ap_axes axes;
+    bool invert;
     struct ap_hid_line line;
     int64_t last_t_ns;
     int64_t report_count;
@@ -54,8 +56,11 @@ void ap_report_log_destroy(struct ap_report_log *log) {
     free(log);
 }
 
-void ap_report_log_set_role(struct ap_report_log *log, struct ap_field role) {
+void ap_report_log_set_role(struct ap_report_log *log, struct ap_field role,
+                            const struct ap_axes *axes, bool invert) {
     log->role = role;
+    log->axes = *axes;
+    log->invert = invert;
 }
 
 // What stood before the first D: line belongs to its device.
@@ -211,8 +216,14 @@ static const char *name_of(struct ap_report_log *log, struct device *d, int trac
 }
 
 // Where the tracker is, by what its driver knows and what the body it is worn on tells.
-static struct ap_pose place(const struct ap_driver_sample *s, enum ap_body_part part) {
-    struct ap_pose pose = s->pose;
+static struct ap_pose place(const struct ap_report_log *log, const struct ap_driver_sample *s,
+                            enum ap_body_part part) {
+    struct ap_pose pose = {ap_axes_vec3(&log->axes, s->pose.p),
+                           ap_axes_quat(&log->axes, s->pose.q)};
+    if (log->invert && s->kind == AP_SAMPLE_ORIENTATION)
+        pose.q = ap_quat_conj(pose.q);
+    else if (log->invert)
+        pose = ap_pose_inverse(pose);
     if (s->kind == AP_SAMPLE_ORIENTATION)
         pose.p = ap_body_place(part, pose.q);
     else if (s->kind == AP_SAMPLE_FLIGHT)
@@ -248,7 +259,7 @@ bool ap_report_log_take(struct ap_report_log *log, struct ap_row *row) {
         *row = (struct ap_row){
             .t_ns = log->line.t_ns,
             .device = device,
-            .pose = place(s, ap_body_part_of(role.text, role.len)),
+            .pose = place(log, s, ap_body_part_of(role.text, role.len)),
             .trigger = s->trigger,
             .select = s->buttons & 1,
             .reset = s->reset,

@@ -1,6 +1,7 @@
 #ifndef ANTIPODE_DEVICE_HID_REPORT_LOG_H
 #define ANTIPODE_DEVICE_HID_REPORT_LOG_H
 
+#include "src/device/axes.h"
 #include "src/device/poselog_format.h"
 
 // A raw HID recording as a pose log: its lines go in, rows come out. Each device of the recording
@@ -15,8 +16,10 @@ void ap_report_log_destroy(struct ap_report_log *log);
 
 // The role that the log's only tracker is given, before the first line: it decides which part of
 // the body carries it. Empty: trackers get the names head, left, right, tracker4, … in the order in
-// which their devices introduce them.
-void ap_report_log_set_role(struct ap_report_log *log, struct ap_field role);
+// which their devices introduce them. Orientations are in these axes, and with `invert` those of
+// the room in the tracker.
+void ap_report_log_set_role(struct ap_report_log *log, struct ap_field role,
+                            const struct ap_axes *axes, bool invert);
 
 // One line, comments too. False: a bad line, which is as if it were not there.
 bool ap_report_log_feed(struct ap_report_log *log, const char *line, size_t len,
