@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sim_hmd/input/profiles.h"
+#include "src/device/poselog_argument.h"
 #include "src/base/file.h"
 #include "src/base/json.h"
 #include "src/device/inputlog.h"
@@ -51,23 +52,14 @@ static enum ap_status read_headset(struct ap_error *err, const struct ap_json_at
     return st;
 }
 
-// "role=PATH" keeps its role, which is a word (docs/pose-logs.md); any other '=' is the path's.
+// A log's path, with its role and options about it, as one of the settings.
 static char *resolve_log(const char *settings_path, const char *source) {
-    size_t word = strspn(source, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-                                 "0123456789_-");
-    const char *equals = source + word;
-    if (word == 0 || *equals != '=')
-        return resolve_path(settings_path, source);
-    char *path = resolve_path(settings_path, equals + 1);
-    if (!path)
-        return NULL;
-    size_t role = (size_t)(equals - source) + 1, size = role + strlen(path) + 1;
-    char *whole = malloc(size);
-    if (whole) {
-        memcpy(whole, source, role);
-        memcpy(whole + role, path, size - role);
-    }
-    free(path);
+    const char *slash = strrchr(settings_path, '/');
+    if (!slash)
+        return strdup(source);
+    char *dir = strndup(settings_path, (size_t)(slash - settings_path) + 1);
+    char *whole = dir ? ap_log_argument_in(source, dir) : NULL;
+    free(dir);
     return whole;
 }
 
@@ -84,8 +76,8 @@ static enum ap_status read_log_list(struct ap_error *err, const struct ap_json_a
         struct ap_json_at at = ap_json_element(&logs, s->log_count);
         const char *source = json_string_value(at.value);
         if (!source || !*source)
-            return ap_json_fail(err, &at, "expected \"[head=|left=|right=]FILE\"");
-        if (strcmp(source, "-") == 0 || strstr(source, "=-") == source + strlen(source) - 2)
+            return ap_json_fail(err, &at, "expected \"[head=|left=|right=]FILE[,KEY=VALUE…]\"");
+        if (ap_log_argument_is_stdin(source))
             return ap_json_fail(err, &at, "standard input belongs to the program; name a file");
         s->logs[s->log_count] = resolve_log(poses->parent->file, source);
         if (!s->logs[s->log_count])

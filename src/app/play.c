@@ -13,6 +13,7 @@
 #include "src/base/file.h"
 #include "src/base/json.h"
 #include "src/base/log.h"
+#include "src/device/poselog_argument.h"
 #include "src/gpu/gpu.h"
 #include "src/render/renderer.h"
 
@@ -89,9 +90,10 @@ static enum ap_status write_settings(struct ap_error *err, const struct play_opt
     json_t *sources = json_array();
     for (int i = 0; i < log_count; i++) {
         // Relative paths in the settings are relative to the settings file.
-        char *real = realpath(logs[i], NULL);
-        json_array_append_new(sources, json_string(real ? real : logs[i]));
-        free(real);
+        char *here = getcwd(NULL, 0), *whole = here ? ap_log_argument_in(logs[i], here) : NULL;
+        json_array_append_new(sources, json_string(whole ? whole : logs[i]));
+        free(whole);
+        free(here);
     }
     json_t *poses = log_count > 0  ? json_pack("{s:O}", "logs", sources)
                     : o->no_window ? json_pack("{s:s}", "script", "walk")

@@ -14,6 +14,7 @@
 #include "src/base/range.h"
 #include "src/device/headset.h"
 #include "src/device/inputlog.h"
+#include "src/device/poselog_argument.h"
 #include "src/track/setup.h"
 
 // --- what can be known before the program runs
@@ -45,21 +46,17 @@ static enum ap_status check_headset(struct ap_error *err, const char *headset) {
     return st;
 }
 
-// "left=hand.csv": what of it names the file.
-static const char *file_of(const char *log) {
-    size_t word = strspn(log, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-");
-    return word > 0 && log[word] == '=' ? log + word + 1 : log;
-}
-
 static enum ap_status check_logs(struct ap_error *err, const struct ap_sim_options *o) {
     enum ap_status st = AP_OK;
     for (size_t i = 0; !st && i < o->poses.count; i++) {
         const char *log = o->poses.text[i];
         struct ap_poselog *open = NULL;
-        if (strcmp(file_of(log), "-") == 0)
+        struct ap_log_argument argument;
+        if (ap_log_argument_is_stdin(log))
             return ap_fail(err, AP_USAGE,
                            "--poses %s: standard input is the program's; name a file", log);
-        if (ap_file_exists(file_of(log)) && !is_plain_file(file_of(log)))
+        st = ap_log_argument_parse(err, log, &argument);
+        if (st || (ap_file_exists(argument.path) && !is_plain_file(argument.path)))
             continue; // a pipe is for the runtime to read
         st = ap_logs_open(err, &o->logs, (char *[]){(char *)(uintptr_t)log}, 1, &open);
         ap_poselog_close(open);
@@ -140,16 +137,24 @@ static char *absolute(const char *path) {
 }
 
 // NULL for a path that is not UTF-8, which JSON cannot hold.
-static json_t *path_json(const char *role, int role_len, const char *path) {
+static json_t *path_json(const char *path) {
     char *whole = absolute(path);
-    json_t *value = whole ? json_sprintf("%.*s%s", role_len, role, whole) : NULL;
+    json_t *value = whole ? json_string(whole) : NULL;
     free(whole);
+    return value;
+}
+
+static json_t *log_json(const char *log) {
+    char *here = getcwd(NULL, 0), *whole = here ? ap_log_argument_in(log, here) : NULL;
+    json_t *value = whole ? json_string(whole) : NULL;
+    free(whole);
+    free(here);
     return value;
 }
 
 static json_t *headset_json(const char *headset) {
     char *path = headset_path(headset);
-    json_t *value = path ? path_json("", 0, path) : NULL;
+    json_t *value = path ? path_json(path) : NULL;
     free(path);
     return value;
 }
@@ -164,8 +169,7 @@ static json_t *poses_json(const struct ap_sim_options *o) {
     json_t *logs = json_array();
     bool ok = logs != NULL;
     for (size_t i = 0; ok && i < o->poses.count; i++) {
-        const char *log = o->poses.text[i], *file = file_of(log);
-        ok = json_array_append_new(logs, path_json(log, (int)(file - log), file)) == 0;
+        ok = json_array_append_new(logs, log_json(o->poses.text[i])) == 0;
     }
     json_t *poses = json_pack("{s:o, s:s, s:s, s:b}", "logs", logs, "up", o->logs.up, "head_frame",
                               o->logs.head_frame, "skip_bad", o->logs.skip_bad);
@@ -181,7 +185,7 @@ static json_t *poses_json(const struct ap_sim_options *o) {
 static json_t *inputs_json(const struct ap_sim_options *o) {
     json_t *list = json_array();
     for (size_t i = 0; list && i < o->inputs.count; i++)
-        if (json_array_append_new(list, path_json("", 0, o->inputs.text[i])) != 0) {
+        if (json_array_append_new(list, path_json(o->inputs.text[i])) != 0) {
             json_decref(list);
             return NULL;
         }
@@ -229,7 +233,7 @@ static json_t *settings_json(const struct ap_sim_options *o, const char *strict_
     if (o->headset)
         ok = ok && set(root, "headset", headset_json(o->headset));
     if (o->hands)
-        ok = ok && set(root, "hands", path_json("", 0, o->hands));
+        ok = ok && set(root, "hands", path_json(o->hands));
     if (o->recentre_s.count)
         ok = ok && set(root, "recentre_s", recentre_json(o));
     if (o->controllers)
@@ -250,7 +254,7 @@ static json_t *settings_json(const struct ap_sim_options *o, const char *strict_
         ok = ok && set(root, "window", o->layout ? json_string(o->layout) : json_true());
     if (o->strict)
         ok = ok && set(root, "strict", json_true()) &&
-             set(root, "strict_report", path_json("", 0, strict_report));
+             set(root, "strict_report", path_json(strict_report));
     if (ok)
         return root;
     json_decref(root);

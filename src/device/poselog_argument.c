@@ -1,6 +1,8 @@
 #include "src/device/poselog_argument.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "src/device/decimal.h"
@@ -100,10 +102,10 @@ static const struct key *key_of(struct ap_field option) {
     return NULL;
 }
 
-// From the back: options, as long as there are any; an empty one ends them.
-size_t ap_log_argument_file(const char *argument, size_t *role_len) {
-    size_t role = role_length(argument), end = strlen(argument);
-    *role_len = role;
+// Where the file's name ends. From the back: options, as long as there are any; an empty one ends
+// them.
+static size_t file_end(const char *argument, size_t role) {
+    size_t end = strlen(argument);
     for (;;) {
         size_t comma = end;
         while (comma > role && argument[comma - 1] != ',')
@@ -139,7 +141,7 @@ static enum ap_status take_options(struct ap_error *err, const char *argument, c
 enum ap_status ap_log_argument_parse(struct ap_error *err, const char *argument,
                                      struct ap_log_argument *out) {
     struct ap_log_argument a = {.time_scale = 1};
-    size_t role, end = ap_log_argument_file(argument, &role), len = end - role;
+    size_t role = role_length(argument), end = file_end(argument, role), len = end - role;
     if (role)
         a.role = (struct ap_field){argument, role - 1};
     if (len == 0)
@@ -155,6 +157,23 @@ enum ap_status ap_log_argument_parse(struct ap_error *err, const char *argument,
     if (!st)
         *out = a;
     return st;
+}
+
+bool ap_log_argument_is_stdin(const char *argument) {
+    size_t role = role_length(argument);
+    return file_end(argument, role) - role == 1 && argument[role] == '-';
+}
+
+char *ap_log_argument_in(const char *argument, const char *folder) {
+    size_t role = role_length(argument), len = strlen(argument), folder_len = strlen(folder);
+    if (argument[role] == '/' || !argument[role] || ap_log_argument_is_stdin(argument))
+        return strdup(argument);
+    bool slash = folder_len > 0 && folder[folder_len - 1] != '/';
+    char *whole = malloc(len + folder_len + 2);
+    if (whole)
+        snprintf(whole, len + folder_len + 2, "%.*s%s%s%s", (int)role, argument, folder,
+                 slash ? "/" : "", argument + role);
+    return whole;
 }
 
 static bool shift(const struct ap_log_argument *a, int64_t *t_ns) {

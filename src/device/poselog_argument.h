@@ -27,8 +27,11 @@ struct ap_log_argument {
 enum ap_status ap_log_argument_parse(struct ap_error *err, const char *argument,
                                      struct ap_log_argument *out);
 
-// What stands before the options, with the role: for who has to find the file. Its length.
-size_t ap_log_argument_file(const char *argument, size_t *role_len);
+// The argument with its file in this folder (which ends with a slash or not) where its path is
+// relative; malloc'ed, NULL without memory. "-" and what is no argument stay as they are.
+char *ap_log_argument_in(const char *argument, const char *folder);
+
+bool ap_log_argument_is_stdin(const char *argument);
 
 // The row as the options say, but for up and frame: time, scale, axes, inversion. False where its
 // time is beyond ±4e18 ns then or its place beyond ±1e9 m. is_placed: it has a place of its own (a

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "src/device/poselog.h"
+#include "src/device/poselog_argument.h"
 #include "tests/device/memory_file.h"
 
 // The formats that are read as a whole, rates and forces, CSV with names in its header, and what
@@ -505,12 +506,32 @@ static void test_commas(void **unused) {
     rmdir(folder);
 }
 
+static void check_in(const char *argument, const char *want) {
+    char *got = ap_log_argument_in(argument, "/base");
+    assert_string_equal(got, want);
+    free(got);
+}
+
+// Who passes arguments on to another folder's reader.
+static void test_folders(void **unused) {
+    (void)unused;
+    check_in("a.csv", "/base/a.csv");
+    check_in("left=a.csv,up=z", "left=/base/a.csv,up=z");
+    check_in("left=/a.csv,up=z", "left=/a.csv,up=z");
+    check_in("a,up=z,", "/base/a,up=z,");
+    check_in("-,up=z", "-,up=z");
+    assert_true(ap_log_argument_is_stdin("-") && ap_log_argument_is_stdin("head=-,offset=1"));
+    assert_false(ap_log_argument_is_stdin("-x") || ap_log_argument_is_stdin("a=-b") ||
+                 ap_log_argument_is_stdin("./-"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_recordings), cmocka_unit_test(test_iwer),
         cmocka_unit_test(test_aframe),     cmocka_unit_test(test_bsor),
         cmocka_unit_test(test_imu),        cmocka_unit_test(test_named),
         cmocka_unit_test(test_options),    cmocka_unit_test(test_commas),
+        cmocka_unit_test(test_folders),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
