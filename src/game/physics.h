@@ -16,7 +16,13 @@
 // kilograms. Plain data, no memory to release, nothing allocated; one thread at a time; the same
 // bits on every run, however the time is cut into ap_physics_advance.
 
-enum { AP_BALLS_MAX = 16, AP_EDGES_MAX = 5, AP_POCKETS_MAX = 8, AP_SERIES_MAX = 40 };
+enum {
+    AP_BALLS_MAX = 16,
+    AP_EDGES_MAX = 5,
+    AP_POCKETS_MAX = 8,
+    AP_SERIES_MAX = 40,
+    AP_TOLD_MAX = 96
+};
 
 // Zero means the default in brackets; to switch something off, say a negative number.
 struct ap_physics_params {
@@ -31,7 +37,7 @@ struct ap_physics_params {
     double cushion_restitution; // 0.85
     double cushion_friction;    // 0.2
     double cushion_m; // 0.025, or 0.07·inradius: from the table's edge in to the cushion's nose
-    double pocket_radius_m; // how near its middle a foot falls in; default √2·b + s, b how near
+    double pocket_radius_m; // how near its middle a foot falls in; default √2·b + ¾·s, b how near
                             // an edge a foot gets, s the ball's radius
     double cue_mass_kg;     // 0.54
     double tip_restitution; // 0.75
@@ -103,6 +109,9 @@ struct ap_physics {
     // pocket. Rows' least values.
     double pair_s[AP_BALLS_MAX][AP_BALLS_MAX], cushion_s[AP_BALLS_MAX], pocket_s[AP_BALLS_MAX];
     double row_s[AP_BALLS_MAX];
+    // Of the moment, not handed out yet.
+    struct ap_physics_event told[AP_TOLD_MAX];
+    int told_count, told_next;
     struct ap_physics_counters counters;
 };
 
