@@ -20,6 +20,27 @@ struct ap_driver_sample *ap_driver_add_fused(struct ap_driver_samples *samples, 
     return sample;
 }
 
+struct ap_driver_sample *ap_driver_add_series(struct ap_driver_samples *samples, struct ap_imu *imu,
+                                              const struct ap_imu_reading *readings, int count) {
+    struct ap_driver_sample *newest = NULL;
+    bool reset = false;
+    for (int i = 0; i < count; i++) {
+        const struct ap_imu_reading *r = &readings[i];
+        struct ap_driver_sample *s =
+            ap_driver_add_fused(samples, imu, r->ticks, r->gyr_rad_s, r->acc_m_s2);
+        reset |= s && s->reset;
+        if (s && newest) {
+            *newest = *s;
+            samples->count--;
+        } else if (s) {
+            newest = s;
+        }
+    }
+    if (newest)
+        newest->reset = reset;
+    return newest;
+}
+
 enum ap_report_verdict ap_driver_add_controls(struct ap_driver_sample *sample, uint32_t buttons,
                                               double trigger, double battery) {
     if (!sample)

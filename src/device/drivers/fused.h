@@ -11,6 +11,11 @@ struct ap_driver_sample *ap_driver_add_fused(struct ap_driver_samples *samples, 
                                              uint64_t raw_ticks, struct ap_vec3 gyr_rad_s,
                                              struct ap_vec3 acc_m_s2);
 
+// The same for several measurements of one report, the oldest first: one sample, of the newest,
+// which is a new beginning where any of them was.
+struct ap_driver_sample *ap_driver_add_series(struct ap_driver_samples *samples, struct ap_imu *imu,
+                                              const struct ap_imu_reading *readings, int count);
+
 // What is pressed and how full the battery is (0…1), onto such a sample; AP_REPORT_IGNORED where it
 // is NULL.
 enum ap_report_verdict ap_driver_add_controls(struct ap_driver_sample *sample, uint32_t buttons,

@@ -46,7 +46,7 @@ enum ap_imu_event ap_imu_add(struct ap_imu *imu, uint64_t raw, struct ap_vec3 gy
     if (!imu->started)
         return restart(imu, raw, gyr, acc);
     uint64_t ticks = (raw - imu->raw) & mask;
-    if (ticks == 0)
+    if (ticks == 0 || ((imu->raw - raw) & mask) <= imu->params.late_ticks)
         return AP_IMU_REPEATED;
     int64_t remainder = 0, ns = duration(imu, ticks, &remainder);
     if (ns > GAP_NS)

@@ -14,6 +14,9 @@ struct ap_imu_params {
     double period_s;                   // nominal
     int bits;                          // of the device's counter, 8 … 64
     uint32_t tick_ns_num, tick_ns_den; // a tick is num/den nanoseconds, both at least 1
+    // What is at most so many ticks before the newest sample came out of order and is passed over;
+    // anything before that is a counter that has begun anew.
+    uint32_t late_ticks;
 };
 
 struct ap_imu {
@@ -25,10 +28,16 @@ struct ap_imu {
     int64_t device_ns; // since the first sample, gaps left out
 };
 
+// One measurement, with the device's counter then.
+struct ap_imu_reading {
+    uint64_t ticks;
+    struct ap_vec3 gyr_rad_s, acc_m_s2;
+};
+
 enum ap_imu_event {
     AP_IMU_OK,
     AP_IMU_RESET,    // the first sample, or the counter jumped by over half a second: heading anew
-    AP_IMU_REPEATED, // the same stamp as before; nothing changed
+    AP_IMU_REPEATED, // the same stamp as before, or a little before it; nothing changed
     AP_IMU_REFUSED,  // not finite or beyond what a sensor can measure; nothing changed
 };
 

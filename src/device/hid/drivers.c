@@ -7,12 +7,13 @@
 // before those that take whole classes.
 
 extern const struct ap_driver ap_driver_android, ap_driver_slimevr, ap_driver_spacemouse,
-    ap_driver_hydra, ap_driver_playstation, ap_driver_joycon, ap_driver_xreal,
+    ap_driver_hydra, ap_driver_playstation, ap_driver_joycon, ap_driver_xreal, ap_driver_rift,
     ap_driver_orientation;
 
 static const struct ap_driver *const drivers[] = {
-    &ap_driver_android,     &ap_driver_slimevr, &ap_driver_spacemouse, &ap_driver_hydra,
-    &ap_driver_playstation, &ap_driver_joycon,  &ap_driver_xreal,      &ap_driver_orientation,
+    &ap_driver_android, &ap_driver_slimevr,     &ap_driver_spacemouse,
+    &ap_driver_hydra,   &ap_driver_playstation, &ap_driver_joycon,
+    &ap_driver_xreal,   &ap_driver_rift,        &ap_driver_orientation,
 };
 
 int ap_driver_count(void) {

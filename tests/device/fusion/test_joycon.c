@@ -74,7 +74,8 @@ static void test_packet(void **unused) {
         check_vec("left, forces", p.at[i].acc_m_s2, -2 * g, -g, -g);
         check_vec("left, rates", p.at[i].gyr_rad_s, 2 * w, 3 * w, -w);
     }
-    assert_int_equal(p.timer, 200);
+    assert_int_equal(p.at[0].ticks, 200);
+    assert_int_equal(p.at[2].ticks, 202);
     close_to("battery", p.battery, 0.75, 0);
     assert_true(p.trigger && !(p.buttons & 1));
     assert_int_equal(ap_joycon_parse(AP_JOYCON_RIGHT, &c, b, sizeof b, &p), AP_REPORT_OK);

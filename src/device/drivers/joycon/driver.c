@@ -28,8 +28,10 @@ static void init(void *state, const struct ap_device_info *info) {
     struct state *s = state;
     s->kind = ap_joycon_kind_of(info);
     s->calibration = ap_joycon_usual_calibration();
+    // Reports come a tick or two early now and then, and may be out of order, by up to 0.16 s; the
+    // timer goes round in 1.28.
     const struct ap_imu_params params = {
-        .period_s = 0.005, .bits = 8, .tick_ns_num = 5000000, .tick_ns_den = 1};
+        .period_s = 0.005, .bits = 8, .tick_ns_num = 5000000, .tick_ns_den = 1, .late_ticks = 31};
     ap_imu_init(&s->imu, &params);
 }
 
@@ -62,12 +64,6 @@ static int start(const struct ap_device_info *info,
     return n;
 }
 
-// Reports come a tick or two early now and then, and may be out of order: what is not after the
-// newest measurement (by up to 0.16 s; the timer goes round in 1.28) is passed over.
-static bool is_old(const struct ap_imu *imu, uint8_t tick) {
-    return imu->started && (uint8_t)(imu->raw - tick) < 32;
-}
-
 // The three measurements are three ticks, from the report's timer on. One pose comes out: the
 // newest.
 static enum ap_report_verdict parse(void *state, const struct ap_device_info *info, int64_t t_ns,
@@ -83,18 +79,8 @@ static enum ap_report_verdict parse(void *state, const struct ap_device_info *in
         return ap_report_bad(samples, "a report of at least %d bytes", AP_JOYCON_REPORT);
     if (verdict != AP_REPORT_OK)
         return verdict;
-    bool reset = false;
-    struct ap_driver_sample *sample = NULL;
-    for (int i = 0; i < AP_JOYCON_MEASUREMENTS; i++) {
-        uint8_t tick = (uint8_t)(p.timer + i);
-        samples->count = 0;
-        sample = is_old(&s->imu, tick) ? NULL
-                                       : ap_driver_add_fused(samples, &s->imu, tick,
-                                                             p.at[i].gyr_rad_s, p.at[i].acc_m_s2);
-        reset |= sample && sample->reset;
-    }
-    if (sample)
-        sample->reset = reset;
+    struct ap_driver_sample *sample =
+        ap_driver_add_series(samples, &s->imu, p.at, AP_JOYCON_MEASUREMENTS);
     return ap_driver_add_controls(sample, p.buttons, p.trigger, p.battery);
 }
 

@@ -1,6 +1,7 @@
 #ifndef ANTIPODE_DEVICE_DRIVERS_JOYCON_H
 #define ANTIPODE_DEVICE_DRIVERS_JOYCON_H
 
+#include "src/device/fusion/imu.h"
 #include "src/device/hid/driver.h"
 
 // Nintendo's Joy-Cons and Pro Controller: three measurements, 5 ms apart, in a report.
@@ -21,13 +22,11 @@ struct ap_joycon_calibration {
 struct ap_joycon_calibration ap_joycon_usual_calibration(void);
 
 struct ap_joycon_packet {
-    uint8_t timer; // ticks of 5 ms
-    struct {
-        struct ap_vec3 gyr_rad_s, acc_m_s2; // x right, y up, z back, as it is held pointing forward
-    } at[AP_JOYCON_MEASUREMENTS];           // the oldest first
-    uint32_t buttons;                       // bit 0: A, or the left one's right arrow
-    bool trigger;                           // ZL or ZR
-    double battery;                         // 0…1, in steps of a quarter
+    // x right, y up, z back, as it is held pointing forward; ticks of 5 ms, the oldest first.
+    struct ap_imu_reading at[AP_JOYCON_MEASUREMENTS];
+    uint32_t buttons; // bit 0: A, or the left one's right arrow
+    bool trigger;     // ZL or ZR
+    double battery;   // 0…1, in steps of a quarter
 };
 
 // AP_REPORT_IGNORED: no full report.

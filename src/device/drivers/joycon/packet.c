@@ -36,7 +36,6 @@ enum ap_report_verdict ap_joycon_parse(enum ap_joycon_kind kind,
         return AP_REPORT_IGNORED;
     if (len < AP_JOYCON_REPORT)
         return AP_REPORT_BAD;
-    packet->timer = bytes[1];
     packet->battery = bytes[2] >> 5 < 4 ? (bytes[2] >> 5) / 4.0 : 1;
     for (int i = 0; i < AP_JOYCON_MEASUREMENTS; i++) {
         double a[3], w[3];
@@ -45,6 +44,7 @@ enum ap_report_verdict ap_joycon_parse(enum ap_joycon_kind kind,
             a[k] = ap_i16le(b) * c->accel_scale[k];
             w[k] = (ap_i16le(b + 6) - c->gyro_bias[k]) * c->gyro_scale[k];
         }
+        packet->at[i].ticks = (uint8_t)(bytes[1] + i);
         packet->at[i].acc_m_s2 = turned(kind, a[0], a[1], a[2]);
         packet->at[i].gyr_rad_s = turned(kind, w[0], w[1], w[2]);
     }
