@@ -69,8 +69,8 @@ static void read_timeline(const struct ap_poselog_params *params) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t len) {
     struct memory_file file = memory_file(bytes, len);
-    char hand[64];
-    snprintf(hand, sizeof hand, "left=%s", file.path);
+    char hand[96];
+    snprintf(hand, sizeof hand, "left=%s,offset=1.5,axes=xz-y,invert=yes", file.path);
     const char *sources[] = {file.path, hand};
     struct ap_poselog_params params = {.sources = sources, .source_count = 1};
     read_log(&params);
@@ -88,8 +88,36 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t len) {
 }
 
 #ifndef ANTIPODE_LIBFUZZER
+// A BSOR replay of two frames, and two TUM lines packed.
+static const char bsor[] =
+    "\x69\x3d\x2d\x44\x01\x00\x02\x00\x00\x00\x61\x62\x02\x00\x00\x00\x61\x62\x02\x00"
+    "\x00\x00\x61\x62\x02\x00\x00\x00\x61\x62\x02\x00\x00\x00\x61\x62\x02\x00\x00\x00"
+    "\x61\x62\x02\x00\x00\x00\x61\x62\x02\x00\x00\x00\x61\x62\x02\x00\x00\x00\x61\x62"
+    "\x02\x00\x00\x00\x61\x62\x02\x00\x00\x00\x61\x62\x02\x00\x00\x00\x61\x62\x02\x00"
+    "\x00\x00\x61\x62\x07\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00"
+    "\x00\x00\x90\x41\x00\x9a\x99\xd9\x3f\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x80"
+    "\x3f\x01\x02\x00\x00\x00\x00\x00\x00\x00\x5a\x00\x00\x00\xcd\xcc\xcc\x3d\x9a\x99"
+    "\xd9\x3f\xcd\xcc\x4c\x3e\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00"
+    "\x80\x3f\xcd\xcc\xcc\x3d\x9a\x99\xd9\x3f\xcd\xcc\x4c\x3e\x00\x00\x00\x00\x00\x00"
+    "\x00\x00\x00\x00\x00\x00\x00\x00\x80\x3f\xcd\xcc\xcc\x3d\x9a\x99\xd9\x3f\xcd\xcc"
+    "\x4c\x3e\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x80\x3f\x00\x00"
+    "\x00\x3f\x5a\x00\x00\x00\xcd\xcc\xcc\x3d\x9a\x99\xd9\x3f\xcd\xcc\x4c\x3e\x00\x00"
+    "\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x80\x3f\xcd\xcc\xcc\x3d\x9a\x99"
+    "\xd9\x3f\xcd\xcc\x4c\x3e\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00"
+    "\x80\x3f\xcd\xcc\xcc\x3d\x9a\x99\xd9\x3f\xcd\xcc\x4c\x3e\x00\x00\x00\x00\x00\x00"
+    "\x00\x00\x00\x00\x00\x00\x00\x00\x80\x3f\x02\x00\x00\x00\x00";
+
+static const char gzipped[] =
+    "\x1f\x8b\x08\x00\x00\x00\x00\x00\x02\x03\x33\x50\x30\x54\x30\x52\x30\x56\x30\x00"
+    "\x43\x43\x2e\x43\x64\xbe\x9e\x19\x10\x5b\x70\x01\x00\x76\x80\xc7\x91\x24\x00\x00"
+    "\x00";
+
+static const char zstandard[] =
+    "\x28\xb5\x2f\xfd\x24\x24\xdd\x00\x00\x98\x30\x20\x31\x20\x32\x20\x33\x20\x30\x31"
+    "\x0a\x31\x2e\x36\x20\x30\x2e\x38\x0a\x02\x00\x33\x79\xd4\xba\x23\x94\xb3\x4e\xd5";
+
 int main(int argc, char **argv) {
-    static const char *const seeds[] = {
+    static const char *const texts[] = {
         "t_ns,device,px,py,pz,qx,qy,qz,qw,trigger,squeeze,select,note\n"
         "0,head,0.1,1.6,-0.2,0,0,0,1,,,,a\n0,left,0.1,1.1,-0.2,0,1,0,0,0.5,1,1,b\n"
         "11111111,head,0.1,1.6,-0.2,0,0.6,0,0.8,0,0,0,c\n",
@@ -103,19 +131,63 @@ int main(int argc, char **argv) {
         "0df0\nE: 000000.000000 8 00 00 00 00 00 00 ff 7f\nE: 000000.010000 8 00 00 00 00 82 5a "
         "82 5a\nD: 1\nI: 3 1209 7690\nE: 000000.010000 32 ff 00 01 00 00 ee ff c0 00 00 00 00 00 "
         "00 00 00 01 00 00 00 00 00 82 5a 82 5a 00 00 00 00 00 00\n",
-        ""};
-    static const char *const words[] = {"\n",     "\r\n",
-                                        ",",      " ",
-                                        "#",      "nan",
-                                        "-",      "e",
-                                        "1e308",  "9223372036854775807",
-                                        "0",      "1",
-                                        "head",   "left",
-                                        ".",      "\xef\xbb\xbf",
-                                        "\t",     "99999999999999999999999",
-                                        "1e-400", "t_ns",
-                                        "D: 1",   "E: 1.5 1 00"};
-    return mutate_run(seeds, sizeof seeds / sizeof *seeds, words, sizeof words / sizeof *words,
-                      argc > 1 ? atoi(argv[1]) : 8000);
+        "",
+        "#timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n0,0,0,0,0,9.8,0\n5000000,0,1,0,0,9.8,0\n"
+        "10000000,0,1,0,0,9.8,0\n15000000,0,1,0,0,9.8,0\n20000000,0,1,0,0,9.8,0\n"
+        "25000000,0,1,0,0,9.8,0\n30000000,0,1,0,0,9.8,0\n35000000,0,1,0,0,9.8,0\n"
+        "40000000,0,1,0,0,9.8,0\n45000000,0,1,0,0,9.8,0\n50000000,0,1,0,0,9.8,0\n",
+        "delta_time_ms,hmd_pos_x,hmd_pos_y,hmd_pos_z,hmd_rot_x,hmd_rot_y,hmd_rot_z,hmd_rot_w,"
+        "left_hand_pos_x,left_hand_pos_y,left_hand_pos_z,left_hand_rot_x,left_hand_rot_y,"
+        "left_hand_rot_z,left_hand_rot_w\n0,1,150,2,0,0,0,1,,,,,,,\n11,1,2,3,0,0.6,0,0.8,"
+        "1,2,3,0,0,1,0\n",
+        "{\"schema\":[[0,{\"handedness\":\"left\",\"hasGrip\":true,\"hasGamepad\":true,"
+        "\"numButtons\":2,\"numAxes\":2}],[3,{\"handedness\":\"right\"}]],\"frames\":"
+        "[[5,1,2,3,0,0,0,1,[0,1,2,3,0,0,0,1,[1,2,3,0,0,0,1],[[1,1,1],null,0.5,0]]],"
+        "[16.1,1,2,3,0,0,0,1,[3,1,2,3,0,0,0,1]]]}",
+        "{\"recording\":{\"camera\":{\"poses\":[{\"position\":{\"x\":1,\"y\":2,\"z\":3},"
+        "\"rotation\":{\"x\":10,\"y\":20,\"z\":30},\"timestamp\":5}]},\"leftHand\":{\"poses\":"
+        "[{\"position\":{\"x\":1,\"y\":2,\"z\":3},\"rotation\":{\"x\":10,\"y\":20,\"z\":30},"
+        "\"timestamp\":6}],\"events\":[{\"name\":\"buttondown\",\"detail\":{\"id\":1},"
+        "\"timestamp\":5}]}}}",
+    };
+    static const char *const words[] = {"\n",
+                                        "\r\n",
+                                        ",",
+                                        " ",
+                                        "#",
+                                        "nan",
+                                        "-",
+                                        "e",
+                                        "1e308",
+                                        "9223372036854775807",
+                                        "0",
+                                        "1",
+                                        "head",
+                                        "left",
+                                        ".",
+                                        "\xef\xbb\xbf",
+                                        "\t",
+                                        "99999999999999999999999",
+                                        "1e-400",
+                                        "t_ns",
+                                        "D: 1",
+                                        "E: 1.5 1 00",
+                                        "{",
+                                        "}",
+                                        "[",
+                                        "]",
+                                        "null",
+                                        "\"poses\":",
+                                        "\xff\xff\xff\x7f",
+                                        "\x28\xb5\x2f\xfd",
+                                        "\x1f\x8b\x08",
+                                        "1e999"};
+    enum { TEXTS = sizeof texts / sizeof *texts };
+    struct mutate_seed seeds[TEXTS + 3] = {MUTATE_SEED(bsor), MUTATE_SEED(gzipped),
+                                           MUTATE_SEED(zstandard)};
+    for (int i = 0; i < TEXTS; i++)
+        seeds[3 + i] = (struct mutate_seed){texts[i], strlen(texts[i])};
+    return mutate_run_seeds(seeds, TEXTS + 3, words, sizeof words / sizeof *words,
+                            argc > 1 ? atoi(argv[1]) : 8000);
 }
 #endif

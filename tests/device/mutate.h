@@ -53,26 +53,63 @@ static inline size_t mutate_once(char *text, size_t len, const char *const *word
     }
 }
 
-static inline int mutate_run(const char *const *seeds, size_t seed_count, const char *const *words,
-                             size_t word_count, int rounds) {
+struct mutate_seed {
+    const char *bytes;
+    size_t len;
+};
+
+#define MUTATE_SEED(array)                                                                         \
+    { array, sizeof array - 1 }
+
+// Just as long as it is, so that a reader that goes beyond is seen.
+static inline void mutate_feed(const char *bytes, size_t len) {
+    uint8_t *exact = malloc(len ? len : 1);
+    if (!exact)
+        abort();
+    memcpy(exact, bytes, len);
+    LLVMFuzzerTestOneInput(exact, len);
+    free(exact);
+}
+
+// The seeds as files of this folder, for libFuzzer.
+static inline int mutate_write(const struct mutate_seed *seeds, size_t seed_count) {
+    for (size_t i = 0; i < seed_count; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "seed-%zu", i);
+        FILE *file = fopen(name, "wb");
+        if (!file || fwrite(seeds[i].bytes, 1, seeds[i].len, file) != seeds[i].len || fclose(file))
+            return 1;
+    }
+    return 0;
+}
+
+// rounds < 0: writes the seeds instead.
+static inline int mutate_run_seeds(const struct mutate_seed *seeds, size_t seed_count,
+                                   const char *const *words, size_t word_count, int rounds) {
     static char text[MUTATE_MAX];
+    if (rounds < 0)
+        return mutate_write(seeds, seed_count);
     for (int i = 0; i < rounds; i++) {
-        const char *seed = seeds[(size_t)i % seed_count];
-        size_t len = strlen(seed);
-        memcpy(text, seed, len);
+        const struct mutate_seed *seed = &seeds[(size_t)i % seed_count];
+        size_t len = seed->len < MUTATE_MAX ? seed->len : MUTATE_MAX;
+        memcpy(text, seed->bytes, len);
         size_t changes = (size_t)i < seed_count ? 0 : 1 + mutate_below(6);
         for (size_t k = 0; k < changes; k++)
             len = mutate_once(text, len, words, word_count);
-        // Just as long as it is, so that a reader that goes beyond is seen.
-        uint8_t *exact = malloc(len ? len : 1);
-        if (!exact)
-            return 1;
-        memcpy(exact, text, len);
-        LLVMFuzzerTestOneInput(exact, len);
-        free(exact);
+        mutate_feed(text, len);
     }
     printf("%d inputs of %zu seeds\n", rounds, seed_count);
     return 0;
+}
+
+static inline int mutate_run(const char *const *texts, size_t seed_count, const char *const *words,
+                             size_t word_count, int rounds) {
+    struct mutate_seed seeds[64];
+    if (seed_count > 64)
+        return 1;
+    for (size_t i = 0; i < seed_count; i++)
+        seeds[i] = (struct mutate_seed){texts[i], strlen(texts[i])};
+    return mutate_run_seeds(seeds, seed_count, words, word_count, rounds);
 }
 #endif
 
