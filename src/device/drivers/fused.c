@@ -12,7 +12,10 @@ struct ap_driver_sample *ap_driver_add_fused(struct ap_driver_samples *samples, 
     sample->kind = AP_SAMPLE_ORIENTATION;
     sample->pose.q = ap_vqf_orientation(&imu->vqf);
     sample->has_rate = true;
-    sample->angular_velocity_rad_s = ap_vqf_rate(&imu->vqf, gyr_rad_s);
+    sample->angular_velocity_rad_s =
+        ap_vqf_rate(&imu->vqf, ap_vec3_sub(gyr_rad_s, imu->bias.gyr_rad_s));
+    sample->has_imu = true;
+    sample->gyro_rad_s = gyr_rad_s;
     sample->acceleration_m_s2 = acc_m_s2;
     sample->has_device_time = true;
     sample->device_ns = imu->device_ns;

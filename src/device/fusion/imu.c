@@ -41,6 +41,8 @@ static enum ap_imu_event restart(struct ap_imu *imu, uint64_t raw, struct ap_vec
 enum ap_imu_event ap_imu_add(struct ap_imu *imu, uint64_t raw, struct ap_vec3 gyr,
                              struct ap_vec3 acc) {
     int bits = imu->params.bits;
+    gyr = ap_vec3_sub(gyr, imu->bias.gyr_rad_s);
+    acc = ap_vec3_sub(acc, imu->bias.acc_m_s2);
     uint64_t mask = bits == 64 ? UINT64_MAX : (UINT64_C(1) << bits) - 1;
     raw &= mask;
     if (!imu->started)

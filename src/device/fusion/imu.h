@@ -19,8 +19,15 @@ struct ap_imu_params {
     uint32_t late_ticks;
 };
 
+// What a sensor says when there is nothing to say (src/device/calibration/rest.h), in the tracker's
+// axes.
+struct ap_imu_bias {
+    struct ap_vec3 gyr_rad_s, acc_m_s2;
+};
+
 struct ap_imu {
     struct ap_imu_params params;
+    struct ap_imu_bias bias; // zero after ap_imu_init
     struct ap_vqf vqf;
     bool started;
     uint64_t raw;
@@ -44,7 +51,8 @@ enum ap_imu_event {
 // False where a parameter is out of range.
 bool ap_imu_init(struct ap_imu *imu, const struct ap_imu_params *params);
 
-// One sample at the device's counter `raw`; axes and units as for ap_vqf_update.
+// One sample at the device's counter `raw`, bias not yet taken away; axes and units as for
+// ap_vqf_update.
 enum ap_imu_event ap_imu_add(struct ap_imu *imu, uint64_t raw, struct ap_vec3 gyr_rad_s,
                              struct ap_vec3 acc_m_s2);
 

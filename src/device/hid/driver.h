@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "src/device/fusion/imu.h"
 #include "src/device/hid/descriptor.h"
 #include "src/geom/pose.h"
 
@@ -36,6 +37,7 @@ struct ap_device_info {
     struct ap_hid_descriptor descriptor; // empty where unknown
     int feature_count;
     struct ap_feature_report features[AP_DEVICE_FEATURES_MAX];
+    struct ap_imu_bias bias; // as calibrated; zero where nothing is known
 };
 
 // The newest feature report of that id, or NULL.
@@ -56,7 +58,9 @@ struct ap_driver_sample {
     struct ap_pose pose;
     bool has_rate; // angular_velocity_rad_s is known, in the tracker's axes
     struct ap_vec3 angular_velocity_rad_s;
-    struct ap_vec3 acceleration_m_s2; // AP_SAMPLE_IMU
+    struct ap_vec3 acceleration_m_s2; // AP_SAMPLE_IMU, or has_imu: as measured
+    bool has_imu;                     // what was fused is known, too
+    struct ap_vec3 gyro_rad_s;        // as measured, no bias taken away
     bool has_device_time;
     int64_t device_ns; // the device's own clock, unwrapped
     bool reset;        // the reference has changed: no interpolation from the sample before

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "src/base/log.h"
+#include "src/device/calibration/store.h"
 #include "src/device/live/rules.h"
 #include "src/device/live/set.h"
 
@@ -82,11 +83,17 @@ static struct live_slot *find_path(struct live_bus *bus, const char *path) {
     return NULL;
 }
 
-static struct ap_quat mount_of(const struct ap_live *live, const char *serial) {
+static struct ap_live_mount mount_of(const struct ap_live *live, const struct ap_live_place *p) {
+    char key[AP_LIVE_SERIAL_MAX];
+    struct ap_live_mount mount = {.tracker_from_body = AP_QUAT_IDENTITY};
+    ap_device_key(key, sizeof key, p->serial, p->vendor, p->product);
     for (size_t i = 0; i < live->mount_count; i++)
-        if (strcmp(live->mounts[i].serial, serial) == 0)
-            return live->mounts[i].tracker_from_body;
-    return AP_QUAT_IDENTITY;
+        if (strcmp(live->mounts[i].serial, key) == 0)
+            mount = live->mounts[i];
+    struct ap_quat q = mount.tracker_from_body;
+    if (q.x == 0 && q.y == 0 && q.z == 0 && q.w == 0)
+        mount.tracker_from_body = AP_QUAT_IDENTITY;
+    return mount;
 }
 
 static struct live_slot *make_slot(struct live_bus *bus) {
@@ -255,7 +262,9 @@ static void set_driver(struct live_slot *slot) {
     pthread_mutex_lock(&slot->bus->lock);
     slot->about.driver = slot->feed->driver;
     slot->about.degrees = slot->feed->driver ? slot->feed->driver->degrees : 0;
-    slot->mount = mount_of(slot->live, slot->about.place.serial);
+    struct ap_live_mount mount = mount_of(slot->live, &slot->about.place);
+    slot->mount = mount.tracker_from_body;
+    slot->feed->info.bias = mount.bias;
     pthread_mutex_unlock(&slot->bus->lock);
 }
 

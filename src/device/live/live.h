@@ -79,10 +79,12 @@ struct ap_live_listener {
     void (*pose)(void *user, const struct ap_live_pose_row *row);
 };
 
-// How a tracker is mounted: body = tracker·mount.
+// What is known of a device by calibration: how it is mounted (body = tracker·mount; all zero: not
+// turned) and what its sensors say at rest.
 struct ap_live_mount {
-    const char *serial; // of the device
+    const char *serial; // of the device; "VVVV:PPPP", its ids, where it has none
     struct ap_quat tracker_from_body;
+    struct ap_imu_bias bias;
 };
 
 struct ap_live_params {

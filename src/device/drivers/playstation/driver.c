@@ -25,6 +25,7 @@ static void init(void *state, const struct ap_device_info *info) {
     s->calibration =
         ap_playstation_calibrate(s->layout, ap_device_feature(info, s->layout->calibration));
     ap_imu_init(&s->imu, &s->layout->imu);
+    s->imu.bias = info->bias;
 }
 
 static int start(const struct ap_device_info *info,

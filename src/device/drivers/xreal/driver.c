@@ -19,10 +19,11 @@ static bool match(const struct ap_device_info *info) {
 }
 
 static void init(void *state, const struct ap_device_info *info) {
-    (void)info;
     const struct ap_imu_params params = {
         .period_s = 0.001, .bits = 64, .tick_ns_num = 1, .tick_ns_den = 1};
-    ap_imu_init(state, &params);
+    struct ap_imu *imu = state;
+    ap_imu_init(imu, &params);
+    imu->bias = info->bias;
 }
 
 // Command 0x19 turns the stream on. Reports are not numbered: a 0 stands before the command.
