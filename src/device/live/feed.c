@@ -1,5 +1,6 @@
 #include "src/device/live/feed.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const int64_t MICROSECOND = 1000;
@@ -61,11 +62,15 @@ static void count_lost(struct ap_feed *feed, const struct ap_driver_sample *s) {
     feed->device_ns = s->device_ns;
     if (!continues)
         return;
-    if (feed->step_ns == 0 || step < feed->step_ns)
+    int64_t usual = feed->step_ns, off = step - usual;
+    int64_t steps = usual ? (step + usual / 2) / usual : 1;
+    if (usual == 0 || step < usual * 3 / 5)
         feed->step_ns = step;
-    else if (step < feed->step_ns * 3 / 2)
-        feed->step_ns += (step - feed->step_ns) / 16;
-    feed->lost += (step + feed->step_ns / 2) / feed->step_ns - 1;
+    else if (llabs(off) < usual / 8)
+        feed->step_ns += off / 16;
+    else // towards the median: some clocks tick coarsely
+        feed->step_ns += off > 0 ? usual / 64 : -usual / 64;
+    feed->lost += steps > 1 ? steps - 1 : 0;
 }
 
 static int64_t date_sample(struct ap_feed *feed, const struct ap_driver_sample *s,

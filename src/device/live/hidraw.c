@@ -10,6 +10,7 @@
 #include <sys/inotify.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -144,6 +145,35 @@ static enum ap_status open_device(struct ap_error *err, void *arg,
     device->fd = fd;
     *out = device;
     return AP_OK;
+}
+
+// By its number's subsystem, so that nothing is opened that might do something.
+static bool is_hidraw_node(const char *path) {
+    struct stat s;
+    char link[64], target[256];
+    if (stat(path, &s) != 0 || !S_ISCHR(s.st_mode))
+        return false;
+    snprintf(link, sizeof link, "/sys/dev/char/%u:%u/subsystem", major(s.st_rdev),
+             minor(s.st_rdev));
+    ssize_t n = readlink(link, target, sizeof target - 1);
+    target[n > 0 ? n : 0] = '\0';
+    const char *slash = strrchr(target, '/');
+    return slash && strcmp(slash, "/hidraw") == 0;
+}
+
+enum ap_status ap_live_hidraw_resolve(struct ap_error *err, char path[AP_LIVE_PATH_MAX]) {
+    char *real = realpath(path, NULL);
+    if (!real)
+        return AP_OK;
+    bool fits = strlen(real) < AP_LIVE_PATH_MAX;
+    enum ap_status st = AP_OK;
+    if (!fits || !is_hidraw_node(real))
+        st = ap_fail(err, AP_INPUT,
+                     "%s: is no hidraw node; antipode devices lists what is plugged in", path);
+    else
+        memcpy(path, real, strlen(real) + 1);
+    free(real);
+    return st;
 }
 
 static void close_device(void *bus, void *arg) {

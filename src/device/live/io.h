@@ -82,6 +82,15 @@ struct ap_live_bus {
 // both ("" for the machine's own); tests give a folder. AP_ENVIRONMENT.
 enum ap_status ap_live_hidraw(struct ap_error *err, const char *root, struct ap_live_bus *bus);
 
+// A path that somebody gave: links are followed; one that is not there yet stays. AP_INPUT for what
+// is there and is no hidraw node.
+enum ap_status ap_live_hidraw_resolve(struct ap_error *err, char path[AP_LIVE_PATH_MAX]);
+
+// Raw HID recordings that are played, each from its first report on, as if their devices were
+// plugged in and, at the end, unplugged. AP_INPUT for what cannot be read.
+enum ap_status ap_live_replay(struct ap_error *err, const char *const *files, size_t count,
+                              struct ap_live_bus *bus);
+
 // USB devices that a driver knows and that no hidraw node stands for, by libusb.
 enum ap_status ap_live_usb(struct ap_error *err, struct ap_live_bus *bus);
 

@@ -241,10 +241,8 @@ static void fail(struct live_slot *slot, enum ap_live_state state, const char *w
     slot->retry_ns = now_of(bus) + RETRY_NS;
 }
 
-// What is known before it is opened.
-static enum ap_status describe(struct ap_error *err, struct live_slot *slot) {
-    const struct ap_live_place *p = &slot->about.place;
-    struct ap_device_info *info = &slot->feed->info;
+enum ap_status live_describe(struct ap_error *err, const struct ap_live_place *p,
+                             struct ap_device_info *info) {
     memset(info, 0, sizeof *info);
     info->bus = p->bus;
     info->vendor = p->vendor;
@@ -289,7 +287,7 @@ static void open_device(struct live_slot *slot) {
     struct live_bus *bus = slot->bus;
     const struct ap_live_place *place = &slot->about.place;
     struct ap_error err;
-    if (describe(&err, slot)) {
+    if (live_describe(&err, place, &slot->feed->info)) {
         fail(slot, AP_LIVE_FAILED, err.text);
         return;
     }

@@ -29,20 +29,27 @@ static enum ap_status no_memory(struct ap_error *err) {
     return ap_fail(err, AP_ENVIRONMENT, "devices: out of memory");
 }
 
-static enum ap_status take_buses(struct ap_error *err, const struct ap_live_params *params,
-                                 struct ap_live *live) {
-    for (int i = 0; params->buses && i < params->bus_count; i++)
-        live->buses[live->bus_count++].way = params->buses[i];
-    if (params->buses)
-        return AP_OK;
-    enum ap_status st = ap_live_hidraw(err, "", &live->buses[0].way);
+enum ap_status ap_live_machine(struct ap_error *err, struct ap_live_bus *buses, int *count) {
+    enum ap_status st = ap_live_hidraw(err, "", &buses[0]);
     if (st)
         return st;
-    live->bus_count = 1;
     // A machine without USB has no second way, which is no reason to do without the first.
-    if (ap_live_usb(NULL, &live->buses[1].way) == AP_OK)
-        live->bus_count = 2;
+    *count = ap_live_usb(NULL, &buses[1]) == AP_OK ? 2 : 1;
     return AP_OK;
+}
+
+static enum ap_status take_buses(struct ap_error *err, const struct ap_live_params *params,
+                                 struct ap_live *live) {
+    struct ap_live_bus buses[AP_LIVE_BUSES_MAX];
+    int count = params->bus_count;
+    enum ap_status st = AP_OK;
+    if (params->buses)
+        memcpy(buses, params->buses, (size_t)count * sizeof *buses);
+    else
+        st = ap_live_machine(err, buses, &count);
+    for (int i = 0; i < count && !st; i++)
+        live->buses[live->bus_count++].way = buses[i];
+    return st;
 }
 
 static enum ap_status copy_assignments(struct ap_error *err, const struct ap_live_params *params,
@@ -57,7 +64,10 @@ static enum ap_status copy_assignments(struct ap_error *err, const struct ap_liv
         bool position = i >= params->assign_count;
         const char *text =
             position ? params->position[i - params->assign_count] : params->assign[i];
-        enum ap_status st = live_assignment_read(err, text, position, &live->assignments[i]);
+        struct live_assignment *a = &live->assignments[i];
+        enum ap_status st = live_assignment_read(err, text, position, a);
+        if (!st && a->which[0] == '/')
+            st = ap_live_hidraw_resolve(err, a->which);
         if (st)
             return st;
         live->assignment_count++;
@@ -181,6 +191,23 @@ void ap_live_close(struct ap_live *live) {
 
 // --- looking
 
+static const struct ap_driver *driver_of(const struct ap_live_place *p,
+                                         struct ap_device_info *info) {
+    return live_describe(NULL, p, info) ? NULL : ap_driver_find(info);
+}
+
+int ap_live_list(const struct ap_live_bus *buses, int bus_count, struct ap_live_place *places,
+                 const struct ap_driver **drivers, int max) {
+    struct ap_device_info *info = malloc(sizeof *info);
+    int count = 0;
+    for (int i = 0; i < bus_count && info; i++)
+        count += buses[i].io->list(buses[i].bus, places + count, max - count);
+    for (int i = 0; i < count; i++)
+        drivers[i] = driver_of(&places[i], info);
+    free(info);
+    return count;
+}
+
 int64_t ap_live_now_ns(const struct ap_live *live) {
     return live->buses[0].way.io->now_ns(live->buses[0].way.bus);
 }
@@ -201,8 +228,9 @@ void ap_live_device_at(const struct ap_live *const_live, int device, struct ap_l
     out->state = live_slot_state(slot);
     pthread_mutex_lock(&live->lock);
     for (int i = 0; i < AP_LIVE_TRACKERS_MAX; i++) {
-        const struct live_tracker *t = slot->tracker[i];
-        const char *name = t && t->role >= 0 ? live->roles[t->role].name : "";
+        struct live_tracker *t = slot->tracker[i];
+        const char *role = t ? ap_live_role_name(live, atomic_load(&t->role)) : NULL;
+        const char *name = role ? role : "";
         memcpy(out->role[i], name, strlen(name) + 1);
     }
     pthread_mutex_unlock(&live->lock);

@@ -109,6 +109,14 @@ struct ap_live_params {
 // assignment that cannot be read; AP_ENVIRONMENT.
 enum ap_status ap_live_open(struct ap_error *err, const struct ap_live_params *params,
                             struct ap_live **live);
+// What is plugged in now, without opening any of it: at most `max`, into places, drivers (NULL
+// entries: none). The number.
+int ap_live_list(const struct ap_live_bus *buses, int bus_count, struct ap_live_place *places,
+                 const struct ap_driver **drivers, int max);
+
+// The ways there are on this machine, into buses[AP_LIVE_BUSES_MAX]. AP_ENVIRONMENT.
+enum ap_status ap_live_machine(struct ap_error *err, struct ap_live_bus *buses, int *count);
+
 // Ends the threads; no callback comes afterwards. Blocks for as long as a device keeps the keeper.
 void ap_live_close(struct ap_live *live);
 

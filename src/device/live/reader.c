@@ -36,14 +36,15 @@ static bool recentre(struct live_slot *slot, struct live_tracker *t,
 // --- poses
 
 // Where the tracker is, by what its driver knows and what the body it is worn on tells.
-static struct ap_pose place(const struct live_tracker *t, const struct ap_driver_sample *s,
+static struct ap_pose place(struct live_tracker *t, const struct ap_driver_sample *s,
                             struct ap_pose pose) {
+    enum ap_body_part part = (enum ap_body_part)atomic_load(&t->part);
     if (s->kind == AP_SAMPLE_ORIENTATION) {
         pose.q = ap_quat_normalize(ap_quat_mul(t->turn, pose.q));
-        pose.p = ap_body_place(t->part, pose.q);
+        pose.p = ap_body_place(part, pose.q);
     } else if (s->kind == AP_SAMPLE_FLIGHT) {
         pose = ap_pose_mul(ap_pose_inverse(t->anchor), pose);
-        pose.p = ap_vec3_add(ap_body_place(t->part, AP_QUAT_IDENTITY), pose.p);
+        pose.p = ap_vec3_add(ap_body_place(part, AP_QUAT_IDENTITY), pose.p);
     }
     return pose;
 }
@@ -63,18 +64,19 @@ static struct live_tracker *make_tracker(struct live_slot *slot, const struct ap
     }
     t->turn = AP_QUAT_IDENTITY;
     t->anchor = AP_POSE_IDENTITY;
-    t->role = -1;
-    t->part = AP_BODY_OTHER;
+    atomic_init(&t->role, -1);
+    atomic_init(&t->part, AP_BODY_OTHER);
+    t->flies = s->kind == AP_SAMPLE_FLIGHT;
     t->recentre_count = atomic_load_explicit(&slot->live->recentre_count, memory_order_acquire);
     slot->tracker[s->tracker] = t;
     if (slot->about.tracker_count <= s->tracker)
         slot->about.tracker_count = s->tracker + 1;
-    live_assign(slot, s->tracker, s->kind == AP_SAMPLE_FLIGHT);
+    live_assign(slot, s->tracker);
     return t;
 }
 
-static void tell(struct live_slot *slot, const struct live_tracker *t,
-                 const struct ap_driver_sample *s, int64_t t_ns, struct ap_pose pose) {
+static void tell(struct live_slot *slot, struct live_tracker *t, const struct ap_driver_sample *s,
+                 int64_t t_ns, struct ap_pose pose) {
     const struct ap_live_listener *l = &slot->live->listener;
     if (!l->pose)
         return;
@@ -84,7 +86,7 @@ static void tell(struct live_slot *slot, const struct live_tracker *t,
                                    .arrival_ns = slot->feed->arrival_ns,
                                    .pose = pose,
                                    .sample = s};
-    const char *role = t->role < 0 ? NULL : ap_live_role_name(slot->live, t->role);
+    const char *role = ap_live_role_name(slot->live, atomic_load(&t->role));
     if (role)
         memcpy(row.role, role, strlen(role) + 1);
     l->pose(l->user, &row);

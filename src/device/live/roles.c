@@ -88,33 +88,47 @@ static int tracker_role(struct ap_live *live) {
     return -1;
 }
 
-// The first free one of head, left, right (left, right for what is held), then numbers.
-static int automatic_role(struct live_slot *slot, bool flies) {
+static void give(struct ap_live *live, struct live_tracker *t, int role) {
+    if (role < 0)
+        return;
+    const char *name = live->roles[role].name;
+    atomic_store(&t->role, role);
+    atomic_store(&t->part, (int)ap_body_part_of(name, strlen(name)));
+    atomic_store_explicit(&live->roles[role].tracker, t, memory_order_release);
+}
+
+// What flies is the head's only as long as nothing better is there; then it flies the table.
+static void make_way(struct ap_live *live) {
+    struct live_role *head = &live->roles[AP_LIVE_HEAD];
+    struct live_tracker *t = atomic_load_explicit(&head->tracker, memory_order_relaxed);
+    if (!t || !t->flies || !t->is_automatic)
+        return;
+    atomic_store_explicit(&head->tracker, NULL, memory_order_release);
+    give(live, t, is_free(live, AP_LIVE_TABLE) ? AP_LIVE_TABLE : tracker_role(live));
+}
+
+// The first free one of head, left, right (left, right for what is held; head, table for what
+// flies), then numbers.
+static int automatic_role(struct live_slot *slot, const struct live_tracker *t) {
     struct ap_live *live = slot->live;
     const struct ap_driver *driver = slot->about.driver;
     const char *side = driver->side ? driver->side(&slot->feed->info) : NULL;
-    int first = driver->hands_first ? AP_LIVE_LEFT : AP_LIVE_HEAD;
-    int last = flies ? AP_LIVE_HEAD : AP_LIVE_RIGHT;
+    int first = driver->hands_first ? AP_LIVE_LEFT : AP_LIVE_HEAD, last = AP_LIVE_RIGHT;
     if (side)
         first = last = ap_live_role(live, side);
-    for (int role = first; role <= last; role++)
-        if (is_free(live, role) && !is_reserved(live, role))
+    if (first == AP_LIVE_HEAD && !t->flies)
+        make_way(live);
+    for (int role = first; role <= (t->flies ? AP_LIVE_TABLE : last); role++) {
+        bool fits = !t->flies || role == AP_LIVE_HEAD || role == AP_LIVE_TABLE;
+        if (fits && is_free(live, role) && !is_reserved(live, role))
             return role;
+    }
     return tracker_role(live);
 }
 
-static void give(struct live_slot *slot, int index, int role) {
-    struct live_tracker *t = slot->tracker[index];
-    t->role = role;
-    if (role < 0)
-        return;
-    const char *name = slot->live->roles[role].name;
-    t->part = ap_body_part_of(name, strlen(name));
-    atomic_store_explicit(&slot->live->roles[role].tracker, t, memory_order_release);
-}
-
-void live_assign(struct live_slot *slot, int index, bool flies) {
+void live_assign(struct live_slot *slot, int index) {
     struct ap_live *live = slot->live;
+    struct live_tracker *t = slot->tracker[index];
     int role = -1;
     bool asked = false;
     pthread_mutex_lock(&live->lock);
@@ -124,15 +138,15 @@ void live_assign(struct live_slot *slot, int index, bool flies) {
         if (r < 0)
             continue;
         if (a->position) {
-            atomic_store_explicit(&live->roles[r].position, slot->tracker[index],
-                                  memory_order_release);
+            atomic_store_explicit(&live->roles[r].position, t, memory_order_release);
             asked = true;
         } else if (role < 0 && is_free(live, r)) {
             role = r;
         }
     }
+    t->is_automatic = role < 0;
     if (role < 0 && !asked && !live->no_automatic)
-        role = automatic_role(slot, flies);
-    give(slot, index, role);
+        role = automatic_role(slot, t);
+    give(live, t, role);
     pthread_mutex_unlock(&live->lock);
 }

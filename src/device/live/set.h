@@ -24,11 +24,10 @@ enum {
 struct live_tracker {
     struct ap_history history;
     atomic_llong newest_ns;
-    atomic_ullong held; // buttons, and the trigger's bits above them
-    // The reader's own, but for the assignment, which the live lock guards.
-    int role;                // −1: none
-    enum ap_body_part part;  // by the role
-    bool has_recentred;      // an anchor is known
+    atomic_ullong held;       // buttons, and the trigger's bits above them
+    atomic_int role, part;    // −1: none; enum ap_body_part, by the role
+    bool flies, is_automatic; // the live lock
+    // The reader's own.
     unsigned recentre_count; // of live->recentre_count, when it was recentred last
     struct ap_quat turn;     // of what only knows how it is turned
     struct ap_pose anchor;   // of what flies
@@ -102,8 +101,11 @@ struct ap_live {
 void *live_keep(void *bus);
 void *live_read(void *bus);
 
-// keeper.c: a look at what there is, and what is due; when something is due next. With the fake
-// bus a test may call it instead of the thread.
+// keeper.c: what is known of a device before it is opened. AP_INPUT for its descriptor.
+enum ap_status live_describe(struct ap_error *err, const struct ap_live_place *place,
+                             struct ap_device_info *info);
+
+// keeper.c: a look at what there is, and what is due; when something is due next.
 int64_t live_keep_once(struct live_bus *bus);
 
 static inline enum ap_live_state live_slot_state(const struct live_slot *slot) {
@@ -126,6 +128,6 @@ void live_slot_report(struct live_slot *slot, int64_t arrival_ns, const uint8_t 
 enum ap_status live_assignment_read(struct ap_error *err, const char *text, bool position,
                                     struct live_assignment *out);
 // roles.c: a tracker has said something for the first time. The bus's lock is held.
-void live_assign(struct live_slot *slot, int tracker, bool flies);
+void live_assign(struct live_slot *slot, int tracker);
 
 #endif

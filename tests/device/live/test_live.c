@@ -204,11 +204,9 @@ static void test_garbage(void **state) {
 static void test_refusals(void **state) {
     (void)state;
     struct world w = begin(NULL);
-    int d = plug_slimevr(w.fake, "A");
-    (void)d;
-    end(&w);
-    w = begin(NULL);
+    pthread_mutex_lock(&w.fake->lock);
     w.fake->devices[0].refuses_open = true;
+    pthread_mutex_unlock(&w.fake->lock);
     plug_slimevr(w.fake, "A");
     settle(&w);
     assert_int_equal(device_at(&w, 0).state, AP_LIVE_FAILED);
@@ -420,14 +418,14 @@ static void test_start(void **state) {
     struct world w = begin(NULL);
     int d = -1;
     for (int round = 0; round < 2; round++) {
+        const uint8_t control[] = {9, 0};
+        pthread_mutex_lock(&w.fake->lock);
+        w.fake->devices[round].refuses_features = round == 1;
+        pthread_mutex_unlock(&w.fake->lock);
+        fake_feature(w.fake, round, android_text, sizeof android_text);
+        fake_feature(w.fake, round, control, sizeof control);
         d = fake_plug(w.fake, round ? "S" : "R", 5, 0x054c, 0x0e4c, "WH-1000XM5",
                       ANDROID_DESCRIPTOR);
-        fake_feature(w.fake, d, android_text, sizeof android_text);
-        const uint8_t control[] = {9, 0};
-        fake_feature(w.fake, d, control, sizeof control);
-        pthread_mutex_lock(&w.fake->lock);
-        w.fake->devices[d].refuses_features = round == 1;
-        pthread_mutex_unlock(&w.fake->lock);
         settle(&w);
         struct ap_live_device about = device_at(&w, d);
         assert_int_equal(about.state, AP_LIVE_RUNNING);

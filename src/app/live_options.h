@@ -1,0 +1,30 @@
+#ifndef ANTIPODE_APP_LIVE_OPTIONS_H
+#define ANTIPODE_APP_LIVE_OPTIONS_H
+
+#include "src/app/command.h"
+#include "src/device/live/live.h"
+
+// Options about live devices that `devices`, `record` and others share.
+struct ap_live_options {
+    struct ap_text_list device, position, replay;
+};
+
+#define AP_LIVE_OPTION_TABLE(o)                                                                    \
+    {"device", AP_OPTION_LIST, &(o).device, "ROLE=WHICH",                                          \
+     "a role's device: serial, driver or path; may be repeated"},                                  \
+        {"position", AP_OPTION_LIST, &(o).position, "ROLE=WHICH",                                  \
+         "another device that tells where the role is"},                                           \
+    {                                                                                              \
+        "replay", AP_OPTION_LIST, &(o).replay, "FILE",                                             \
+            "a raw recording as if it was plugged in, instead of devices"                          \
+    }
+
+// The machine's buses or, with --replay, those recordings alone. `base` says the rest.
+enum ap_status ap_live_options_open(struct ap_error *err, const struct ap_live_options *options,
+                                    const struct ap_live_params *base, struct ap_live **live);
+
+// From now on Ctrl-C and SIGTERM only set this.
+void ap_catch_end(void);
+bool ap_end_asked(void);
+
+#endif
