@@ -182,7 +182,7 @@ static enum ap_status begin_at_zero(struct ap_error *err, struct replay_bus *bus
 
 static enum ap_status read_recording(struct ap_error *err, struct replay_bus *bus,
                                      const char *file) {
-    struct ap_line_reader reader = {.fd = -1};
+    struct ap_line_reader reader;
     int first = bus->device_count;
     enum ap_status st = ap_line_reader_open(err, &reader, file);
     if (!st)
