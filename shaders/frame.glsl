@@ -16,6 +16,7 @@ layout(std140, set = 0, binding = 0) uniform Frame {
     float forbidden_sine; // S(forbidden/rho)
     int born_kappa;       // native-of: the space she was born in
     float born_rho;
+    vec4 lamp_light; // S² of the distance where its light is 1; S of its radius; angle of a pixel
 };
 
 // Frame.mode
@@ -24,6 +25,9 @@ const int NATIVE = 0, TOURIST = 1, BORN = 2;
 // Kinds of Draw.shape.z
 const float MESH = 0.0, BALL = 1.0, SHEET = 2.0;
 
+// Draw.finish.x, on parts that are looked at fragment by fragment
+const int PLAIN = 0, MATTE = 1, CLOTH = 2, WOOD = 3, POOL = 4, STRIPED = 5;
+
 struct Draw {
     mat4 to[2];  // native: nose_from_part, twice; tourist: eye_from_part of each eye
     vec4 lamp;   // the lamp in the part's coordinates
@@ -31,6 +35,7 @@ struct Draw {
     vec4 color;  // linear; a is 1 where the part is lit
     vec4 shape;  // of a ball S and C of its radius; kind; image + 2·way (native-of: 1,
                  // seen the long way round her own s3)
+    vec4 finish; // what it is made of; layer of its text, or −1; first mark, how many
 };
 
 layout(std430, set = 0, binding = 1) readonly buffer Draws {

@@ -1,13 +1,15 @@
 // The vertex shader: part → nose space → Euclidean tangent space → eye → projection (native), or
 // part → eye's curved space → projection (tourist), or tangent space → exp in the space she was born
 // in → eye → projection (native-of). Included by part.vert and its variants: SINGLE
-// draws one eye a pass, GUARD hands on what part_guard.frag needs to drop fragments.
+// draws one eye a pass, FINISH hands on what part_finish.frag needs of the surface, GUARD that and what
+// part_guard.frag needs to drop fragments.
 #ifndef SINGLE
 #extension GL_EXT_multiview : require
 #endif
 
 #include "logmap.glsl"
 #include "frame.glsl"
+#include "light.glsl"
 
 layout(push_constant) uniform Push {
     int first_eye;
@@ -24,22 +26,16 @@ layout(location = 3) out vec3 tangent_m;
 layout(location = 4) out vec3 eye_m;
 layout(location = 5) flat out int image_of;
 #endif
+#if defined(FINISH) || defined(GUARD)
+layout(location = 6) out vec4 place; // in the part's coordinates
+layout(location = 7) out vec4 face;
+layout(location = 8) flat out int draw;
+#endif
 
-float inner(vec4 a, vec4 b) { return dot(a.xyz, b.xyz) + float(kappa) * a.w * b.w; }
-
-// The unit tangent vector at p along the short geodesic to q.
-vec4 toward(vec4 p, vec4 q) {
-    if (kappa == 0)
-        return vec4(normalize(q.xyz - p.xyz + vec3(0.0, 1e-9, 0.0)), 0.0);
-    float c = float(kappa) * inner(p, q);
-    vec4 v = q - c * p;
-    return v * inversesqrt(max(float(kappa) * (1.0 - c * c), 1e-9));
-}
-
-// Light in the part's own coordinates, where numbers are small: a lamp whose light wraps a little
-// round the limb, a fill from where she stands, and enough of both everywhere.
+// A vertex's light: diffuse, gloss.
 vec2 shade(Draw d, vec4 p, vec4 n) {
-    vec4 lamp = toward(p, d.lamp), nose = toward(p, d.nose);
+    float square, nose_square;
+    vec4 lamp = toward(p, d.lamp, square), nose = toward(p, d.nose, nose_square);
     if ((int(d.shape.w) & 1) == 1)
         nose = -nose; // seen the long way round
     float facing = inner(n, nose);
@@ -47,18 +43,8 @@ vec2 shade(Draw d, vec4 p, vec4 n) {
         n = -n;
         facing = -facing;
     }
-    float diffuse = max(0.0, (inner(n, lamp) + 0.25) * 0.8);
-    float strength = min(1.0, 0.22 + 0.6 * diffuse + 0.25 * max(0.0, facing));
-    if (d.shape.z != BALL)
-        return vec2(strength, 0.0);
-    vec4 between = lamp + nose;
-    float gloss = max(0.0, inner(n, between) * inversesqrt(max(inner(between, between), 1e-6)));
-    gloss *= gloss;
-    gloss *= gloss;
-    gloss *= gloss;
-    gloss *= gloss;
-    gloss *= gloss;
-    return vec2(strength, 0.35 * gloss);
+    float gloss = d.shape.z == BALL ? 0.35 * gloss_of(n, lamp, nose) : 0.0;
+    return vec2(strength_of(n, lamp, square, facing, 1.0, 1.0), gloss);
 }
 
 void main() {
@@ -94,11 +80,15 @@ void main() {
     clip.w = -e.z;
     gl_Position = clip;
     color = d.color;
+    vec4 n = ball ? vec4(d.shape.y * position.xyz, -float(kappa) * d.shape.x) : normal;
     light = vec2(1.0, 0.0);
-    if (d.color.a > 0.5) {
-        vec4 n = ball ? vec4(d.shape.y * position.xyz, -float(kappa) * d.shape.x) : normal;
+    if (d.color.a > 0.5 && d.finish.x < 0.5)
         light = shade(d, p, n);
-    }
+#if defined(FINISH) || defined(GUARD)
+    place = p;
+    face = n;
+    draw = gl_InstanceIndex;
+#endif
 #ifdef GUARD
     curved = q;
     tangent_m = t;

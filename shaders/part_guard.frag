@@ -7,6 +7,8 @@
 
 #include "logmap.glsl"
 #include "frame.glsl"
+#include "light.glsl"
+#include "finish.glsl"
 
 layout(location = 0) flat in vec4 color;
 layout(location = 1) in vec2 light;
@@ -14,9 +16,14 @@ layout(location = 2) in vec4 curved;
 layout(location = 3) in vec3 tangent_m;
 layout(location = 4) in vec3 eye_m; // native-of: over the radius of her space
 layout(location = 5) flat in int image_of; // image + 2·way
+layout(location = 6) in vec4 place;
+layout(location = 7) in vec4 face;
+layout(location = 8) flat in int draw;
 layout(location = 0) out vec4 result;
 
 void main() {
+    Draw d = draws[draw];
+    vec3 made = d.finish.x > 0.5 ? finished(d, place, face) : vec3(0.0);
     float square = dot(curved.xyz, curved.xyz) + float(kappa) * curved.w * curved.w;
     float size = kappa == 0 ? curved.w : sqrt(abs(square));
     if (mode == TOURIST) {
@@ -44,5 +51,6 @@ void main() {
                 discard;
         }
     }
-    result = vec4(color.a > 0.5 ? min(color.rgb * light.x + light.y, vec3(1.0)) : color.rgb, 1.0);
+    vec3 plain = color.a > 0.5 ? min(color.rgb * light.x + light.y, vec3(1.0)) : color.rgb;
+    result = vec4(d.finish.x > 0.5 ? made : plain, 1.0);
 }

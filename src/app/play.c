@@ -229,10 +229,11 @@ static enum ap_status open_play(struct ap_error *err, bool older_vulkan, struct 
     if (!ap_xr_has_stage(play->xr))
         ap_log(AP_LOG_WARNING, "the runtime has no STAGE space: set up its room, or the floor and "
                                "the table will not be where they are");
-    const struct ap_renderer_params render = {.color_format = vk.color_format,
-                                              .width = vk.width_px,
-                                              .height = vk.height_px,
-                                              .no_multiview = !vk.multiview};
+    struct ap_renderer_params render = {.color_format = vk.color_format,
+                                        .width = vk.width_px,
+                                        .height = vk.height_px,
+                                        .no_multiview = !vk.multiview};
+    ap_room_renderer_params(&play->room, &render);
     return ap_renderer_create(err, &play->gpu, play->room.scene, &render, &play->renderer);
 }
 

@@ -248,10 +248,11 @@ static enum ap_status open_loop(struct ap_error *err, struct loop *loop) {
         return st;
     loop->width = vk.width_px;
     loop->height = vk.height_px;
-    const struct ap_renderer_params render = {.color_format = vk.color_format,
-                                              .width = vk.width_px,
-                                              .height = vk.height_px,
-                                              .no_multiview = !vk.multiview};
+    struct ap_renderer_params render = {.color_format = vk.color_format,
+                                        .width = vk.width_px,
+                                        .height = vk.height_px,
+                                        .no_multiview = !vk.multiview};
+    ap_room_renderer_params(&loop->replay->room, &render);
     return ap_renderer_create(err, &loop->gpu, loop->replay->room.scene, &render, &loop->renderer);
 }
 

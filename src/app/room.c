@@ -1,8 +1,10 @@
 #include "src/app/room.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "src/base/log.h"
 #include "src/base/number.h"
 #include "src/track/setup.h"
 
@@ -87,6 +89,29 @@ static enum ap_status choose_view(struct ap_error *err, const struct ap_room_opt
     return st;
 }
 
+// Without a font balls bear no numbers, and all else goes on.
+static enum ap_status make_decals(struct ap_error *err, struct ap_room *room) {
+    enum { CELL_PX = 96 };
+    const struct ap_scene *scene = room->scene;
+    const char **texts = calloc(scene->decal_count + 1, sizeof *texts);
+    if (!texts)
+        return ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    for (size_t i = 0; i < scene->decal_count; i++)
+        texts[i] = scene->decals[i].text;
+    struct ap_error why = {""};
+    if (scene->decal_count > 0 &&
+        ap_text_atlas_create(&why, texts, (uint32_t)scene->decal_count, CELL_PX, &room->decals))
+        ap_log(AP_LOG_WARNING, "the balls bear no numbers: %s", why.text);
+    free(texts);
+    return AP_OK;
+}
+
+void ap_room_renderer_params(const struct ap_room *room, struct ap_renderer_params *params) {
+    params->decals = room->decals.coverage;
+    params->decal_px = room->decals.cell_px;
+    params->decal_count = room->decals.count;
+}
+
 void ap_room_switch_view(struct ap_room *room) {
     room->view = room->view == AP_VIEW_TOURIST ? AP_VIEW_NATIVE : AP_VIEW_TOURIST;
 }
@@ -97,6 +122,8 @@ enum ap_status ap_room_open(struct ap_error *err, const struct ap_room_options *
     enum ap_status st = open_scene(err, options, &room.scene);
     if (!st)
         st = choose_view(err, options, &room);
+    if (!st)
+        st = make_decals(err, &room);
     if (!st)
         st = open_tracker(err, options, &room);
     if (st)
@@ -109,6 +136,7 @@ enum ap_status ap_room_open(struct ap_error *err, const struct ap_room_options *
 void ap_room_close(struct ap_room *room) {
     ap_tracker_destroy(room->tracker);
     ap_scene_destroy(room->scene);
+    ap_text_atlas_finish(&room->decals);
     *room = (struct ap_room){0};
 }
 

@@ -2,6 +2,8 @@
 #define ANTIPODE_APP_ROOM_H
 
 #include "src/app/command.h"
+#include "src/image/text.h"
+#include "src/render/renderer.h"
 #include "src/scene/scene.h"
 #include "src/track/tracker.h"
 #include "src/view/view.h"
@@ -44,15 +46,19 @@ struct ap_room {
     struct ap_tracker *tracker;
     struct ap_tracker_params tracker_params;
     enum ap_view_mode view;
-    struct ap_space born; // of AP_VIEW_BORN
-    unsigned closed_eyes; // bit 0 left, bit 1 right
-    bool has_table;       // the room has a physical table
+    struct ap_space born;        // of AP_VIEW_BORN
+    unsigned closed_eyes;        // bit 0 left, bit 1 right
+    struct ap_text_atlas decals; // of the scene's texts; none where there is no font
+    bool has_table;              // the room has a physical table
 };
 
 // Command line before scene file before defaults. AP_USAGE or AP_INPUT where they contradict.
 enum ap_status ap_room_open(struct ap_error *err, const struct ap_room_options *options,
                             struct ap_room *room);
 void ap_room_close(struct ap_room *room);
+
+// What the renderer needs to know of the room: its texts.
+void ap_room_renderer_params(const struct ap_room *room, struct ap_renderer_params *params);
 
 // To tourist, or from there to native; for any frame.
 void ap_room_switch_view(struct ap_room *room);

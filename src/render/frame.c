@@ -77,6 +77,16 @@ struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer) {
     return frame;
 }
 
+void ap_frame_light(const struct ap_viewer *viewer, const struct ap_eyes *eyes, double lamp_reach_m,
+                    double lamp_radius_m, struct ap_gpu_frame *frame) {
+    double rho = viewer->space.rho_m;
+    double reach = lamp_reach_m > 0 ? lamp_reach_m : viewer->space.kappa > 0 ? fmin(1, rho) : 1;
+    double s = ap_space_sin(viewer->space, reach / rho);
+    frame->lamp_light[0] = (float)(s * s);
+    frame->lamp_light[1] = (float)fmax(ap_space_sin(viewer->space, lamp_radius_m / rho), 1e-3 * s);
+    frame->lamp_light[2] = (float)(1 / fmin(eyes->pixels[0], eyes->pixels[1]));
+}
+
 // w/−z of what is seen at this distance on the axis; off the axis its size grows by at most
 // 1/cos(angle) = sqrt(1 + slope²).
 static double cotangent(struct ap_space space, double d_m, double slope) {

@@ -23,6 +23,7 @@ struct ap_gpu_frame {
     float forbidden, forbidden_sine;
     int32_t born_kappa;
     float born_rho;
+    float lamp_light[4];
 };
 
 enum { AP_DRAW_MESH, AP_DRAW_BALL, AP_DRAW_SHEET };
@@ -30,7 +31,12 @@ enum { AP_DRAW_MESH, AP_DRAW_BALL, AP_DRAW_SHEET };
 // std430
 struct ap_gpu_draw {
     float to[2][16];
-    float lamp[4], nose[4], color[4], shape[4];
+    float lamp[4], nose[4], color[4], shape[4], finish[4];
+};
+
+// std430; shaders/finish.glsl
+struct ap_gpu_mark {
+    float at[4], shape[4];
 };
 
 // The eyes, as far as they do not depend on what is drawn.
@@ -42,8 +48,12 @@ struct ap_eyes {
 };
 struct ap_eyes ap_eyes_of(const struct ap_viewer *viewer, uint32_t width, uint32_t height);
 
-// Everything but depth[].
+// Everything but depth[] and lamp_light.
 struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer);
+
+// The lamp's reach and radius as in ap_scene.
+void ap_frame_light(const struct ap_viewer *viewer, const struct ap_eyes *eyes, double lamp_reach_m,
+                    double lamp_radius_m, struct ap_gpu_frame *frame);
 
 // How the tourist's depth is spread: from the distance of the nearest to that of the farthest thing
 // there is (along the way it is seen in each image; in native-of view: each way round her own s3).

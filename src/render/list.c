@@ -49,6 +49,8 @@ static enum ap_pipeline_kind pipeline_for(const struct ap_part *part, bool guard
     if (guard)
         return AP_PIPELINE_GUARD;
     bool closed = part->kind == AP_PART_BALL || part->kind == AP_PART_STICK;
+    if (part->lit && part->finish != AP_FINISH_PLAIN)
+        return closed ? AP_PIPELINE_FINISH : AP_PIPELINE_FINISH_TWOSIDED;
     return closed ? AP_PIPELINE_CLOSED : AP_PIPELINE_TWOSIDED;
 }
 
@@ -146,6 +148,41 @@ float ap_linear_color(double srgb) {
     return (float)(srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4));
 }
 
+size_t ap_draw_list_marks_max(const struct ap_scene *scene) {
+    size_t takers = 0, marks = (size_t)scene->mouth_count;
+    for (size_t i = 0; i < scene->part_count; i++) {
+        takers += scene->parts[i].takes_marks;
+        marks += scene->parts[i].casts_shadow;
+    }
+    return 4 * takers * marks; // an item each for two images and two ways
+}
+
+// The marks of one part, in its coordinates: what is near there has small ones.
+static size_t write_marks(const struct ap_scene *scene, const struct ap_part *taker,
+                          struct ap_gpu_mark *marks) {
+    struct ap_space space = scene->space;
+    struct ap_iso part_from_world = ap_iso_inverse(space, taker->carrier_from_part);
+    const struct ap_vec4 base = {0, 0, 0, space.rho_m};
+    size_t count = 0;
+    for (size_t i = 0; i < scene->part_count; i++) {
+        const struct ap_part *p = &scene->parts[i];
+        if (!p->casts_shadow || p->hidden || p->carrier != AP_CARRIER_WORLD)
+            continue;
+        struct ap_gpu_mark *mark = &marks[count++];
+        struct ap_iso at = ap_iso_mul(part_from_world, p->carrier_from_part);
+        ap_store_point(space, ap_iso_apply(&at, base), mark->at);
+        mark->shape[0] = (float)ap_space_sin(space, p->radius_m / space.rho_m);
+        mark->shape[1] = 0;
+    }
+    for (int i = 0; i < scene->mouth_count; i++) {
+        struct ap_gpu_mark *mark = &marks[count++];
+        ap_store_point(space, ap_iso_apply(&part_from_world, scene->mouths[i].at), mark->at);
+        mark->shape[0] = (float)ap_space_sin(space, scene->mouths[i].radius_m / space.rho_m);
+        mark->shape[1] = 1;
+    }
+    return count;
+}
+
 static void write_item(const struct ap_scene *scene, const struct ap_frame_input *input,
                        const struct ap_eyes *eyes, const struct ap_draw_item *item,
                        struct ap_vec4 lamp_nose, struct ap_gpu_draw *draw) {
@@ -176,8 +213,21 @@ static void write_item(const struct ap_scene *scene, const struct ap_frame_input
 
 void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_input *input,
                         const struct ap_eyes *eyes, const struct ap_draw_list *list,
-                        struct ap_gpu_draw *draws) {
+                        struct ap_gpu_draw *draws, struct ap_gpu_mark *marks) {
     struct ap_vec4 lamp = ap_nose_from_world(&input->viewer, scene->lamp).x;
-    for (size_t i = 0; i < list->count; i++)
+    size_t mark_count = 0;
+    for (size_t i = 0; i < list->count; i++) {
+        const struct ap_part *part = &scene->parts[list->items[i].part];
         write_item(scene, input, eyes, &list->items[i], lamp, &draws[i]);
+        float *finish = draws[i].finish;
+        finish[0] = part->lit ? (float)part->finish : 0;
+        finish[1] = (float)(part->decal - 1);
+        finish[2] = (float)mark_count;
+        finish[3] = 0;
+        if (part->takes_marks && part->lit && part->carrier == AP_CARRIER_WORLD) {
+            size_t n = write_marks(scene, part, marks + mark_count);
+            finish[3] = (float)n;
+            mark_count += n;
+        }
+    }
 }

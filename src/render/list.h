@@ -33,10 +33,13 @@ void ap_draw_list_fill(const struct ap_scene *scene, const struct ap_meshes *mes
                        const struct ap_frame_input *input, const struct ap_eyes *eyes, bool no_cull,
                        struct ap_draw_list *list);
 
-// Writes what the shaders need of each item.
+// How many marks (shadows of balls, mouths of pockets) a frame may need.
+size_t ap_draw_list_marks_max(const struct ap_scene *scene);
+
+// Writes what the shaders need of each item, and the marks that surfaces take.
 void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_input *input,
                         const struct ap_eyes *eyes, const struct ap_draw_list *list,
-                        struct ap_gpu_draw *draws);
+                        struct ap_gpu_draw *draws, struct ap_gpu_mark *marks);
 
 // An sRGB component, 0…1, as linear light.
 float ap_linear_color(double srgb);

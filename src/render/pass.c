@@ -5,9 +5,12 @@
 
 #include "shaders/part.frag.spv.h"
 #include "shaders/part.vert.spv.h"
+#include "shaders/part_finish.frag.spv.h"
+#include "shaders/part_finish.vert.spv.h"
 #include "shaders/part_guard.frag.spv.h"
 #include "shaders/part_guard.vert.spv.h"
 #include "shaders/part_single.vert.spv.h"
+#include "shaders/part_single_finish.vert.spv.h"
 #include "shaders/part_single_guard.vert.spv.h"
 #include "src/render/mesh.h"
 #include "src/render/pipeline.h"
@@ -114,7 +117,7 @@ static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *g
 
 static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu *gpu,
                                       const struct ap_pass_params *params, VkRenderPass render_pass,
-                                      const VkShaderModule shader[4], int kind, VkPipeline *made) {
+                                      const VkShaderModule shader[6], int kind, VkPipeline *made) {
     static const VkVertexInputBindingDescription binding = {0, sizeof(struct ap_vertex),
                                                             VK_VERTEX_INPUT_RATE_VERTEX};
     static const VkVertexInputAttributeDescription attributes[2] = {
@@ -126,15 +129,18 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
         .pVertexBindingDescriptions = &binding,
         .vertexAttributeDescriptionCount = 2,
         .pVertexAttributeDescriptions = attributes};
-    bool guard = kind == AP_PIPELINE_GUARD;
-    struct ap_pipeline_params pipeline = {.vertex = shader[guard ? 2 : 0],
-                                          .fragment = shader[guard ? 3 : 1],
+    bool closed = kind == AP_PIPELINE_CLOSED || kind == AP_PIPELINE_FINISH;
+    int set = kind == AP_PIPELINE_GUARD                                           ? 1
+              : kind == AP_PIPELINE_FINISH || kind == AP_PIPELINE_FINISH_TWOSIDED ? 2
+                                                                                  : 0;
+    struct ap_pipeline_params pipeline = {.vertex = shader[2 * set],
+                                          .fragment = shader[2 * set + 1],
                                           .input = &input,
                                           .width = params->width,
                                           .height = params->height,
                                           .samples = params->samples,
-                                          .cull = kind == AP_PIPELINE_CLOSED ? VK_CULL_MODE_BACK_BIT
-                                                                             : VK_CULL_MODE_NONE,
+                                          .cull =
+                                              closed ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
                                           .depth = true,
                                           .layout = params->layout,
                                           .render_pass = render_pass};
@@ -146,22 +152,26 @@ static enum ap_status create_pipelines(struct ap_error *err, const struct ap_gpu
     static const struct {
         const uint32_t *words;
         size_t bytes;
-    } code[2][4] = {{{part_single_vert, sizeof part_single_vert},
+    } code[2][6] = {{{part_single_vert, sizeof part_single_vert},
                      {part_frag, sizeof part_frag},
                      {part_single_guard_vert, sizeof part_single_guard_vert},
-                     {part_guard_frag, sizeof part_guard_frag}},
+                     {part_guard_frag, sizeof part_guard_frag},
+                     {part_single_finish_vert, sizeof part_single_finish_vert},
+                     {part_finish_frag, sizeof part_finish_frag}},
                     {{part_vert, sizeof part_vert},
                      {part_frag, sizeof part_frag},
                      {part_guard_vert, sizeof part_guard_vert},
-                     {part_guard_frag, sizeof part_guard_frag}}};
-    VkShaderModule shader[4] = {0};
+                     {part_guard_frag, sizeof part_guard_frag},
+                     {part_finish_vert, sizeof part_finish_vert},
+                     {part_finish_frag, sizeof part_finish_frag}}};
+    VkShaderModule shader[6] = {0};
     enum ap_status st = AP_OK;
-    for (int i = 0; st == AP_OK && i < 4; i++)
+    for (int i = 0; st == AP_OK && i < 6; i++)
         st = ap_gpu_shader(err, gpu, code[pass->views - 1][i].words, code[pass->views - 1][i].bytes,
                            &shader[i]);
     for (int k = 0; st == AP_OK && k < AP_PIPELINE_COUNT; k++)
         st = create_pipeline(err, gpu, params, pass->render_pass, shader, k, &pass->pipeline[k]);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 6; i++)
         vkDestroyShaderModule(gpu->device, shader[i], NULL);
     return st;
 }

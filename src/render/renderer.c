@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/render/decals.h"
 #include "src/render/list.h"
 #include "src/render/resolve.h"
 
@@ -14,7 +15,7 @@ struct slot {
     VkFence fence;
     bool busy; // submitted and not yet waited for
     VkCommandBuffer cmd;
-    struct ap_gpu_buffer frame, draws;
+    struct ap_gpu_buffer frame, draws, marks;
     VkDescriptorSet set;
     // Made anew each frame: targets belong to somebody else, who may replace them at any time.
     VkImageView target[2];
@@ -29,6 +30,7 @@ struct ap_renderer {
     VkSampleCountFlagBits samples;
     struct ap_meshes meshes;
     struct ap_draw_list list;
+    struct ap_decals decals;
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout layout;
     VkDescriptorPool descriptors;
@@ -67,13 +69,15 @@ static VkSampleCountFlagBits choose_samples(const struct ap_gpu *gpu, uint32_t w
 }
 
 static enum ap_status create_layouts(struct ap_error *err, struct ap_renderer *r) {
-    VkDescriptorSetLayoutBinding bindings[2] = {
-        {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1,
-         VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
-        {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, NULL}};
+    const VkShaderStageFlags both = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    VkDescriptorSetLayoutBinding bindings[4] = {
+        {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, both, NULL},
+        {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, both, NULL},
+        {2, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
+        {3, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL}};
     VkDescriptorSetLayoutCreateInfo set = {.sType =
                                                VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                           .bindingCount = 2,
+                                           .bindingCount = 4,
                                            .pBindings = bindings};
     enum ap_status st =
         ap_vk_check(err, vkCreateDescriptorSetLayout(r->gpu->device, &set, NULL, &r->set_layout),
@@ -90,11 +94,12 @@ static enum ap_status create_layouts(struct ap_error *err, struct ap_renderer *r
                      "vkCreatePipelineLayout");
     if (st != AP_OK)
         return st;
-    VkDescriptorPoolSize sizes[2] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, RING},
-                                     {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, RING}};
+    VkDescriptorPoolSize sizes[3] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, RING},
+                                     {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2 * RING},
+                                     {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, RING}};
     VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                        .maxSets = RING,
-                                       .poolSizeCount = 2,
+                                       .poolSizeCount = 3,
                                        .pPoolSizes = sizes};
     return ap_vk_check(err, vkCreateDescriptorPool(r->gpu->device, &pool, NULL, &r->descriptors),
                        "vkCreateDescriptorPool");
@@ -111,19 +116,25 @@ static enum ap_status fill_slot_set(struct ap_error *err, struct ap_renderer *r,
                     "vkAllocateDescriptorSets");
     if (st != AP_OK)
         return st;
-    VkDescriptorBufferInfo buffers[2] = {{slot->frame.buffer, 0, VK_WHOLE_SIZE},
-                                         {slot->draws.buffer, 0, VK_WHOLE_SIZE}};
-    VkWriteDescriptorSet writes[2];
-    for (uint32_t i = 0; i < 2; i++)
-        writes[i] =
-            (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                   .dstSet = slot->set,
-                                   .dstBinding = i,
-                                   .descriptorCount = 1,
-                                   .descriptorType = i == 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
-                                                            : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                                   .pBufferInfo = &buffers[i]};
-    vkUpdateDescriptorSets(r->gpu->device, 2, writes, 0, NULL);
+    const VkDescriptorBufferInfo buffers[4] = {{slot->frame.buffer, 0, VK_WHOLE_SIZE},
+                                               {slot->draws.buffer, 0, VK_WHOLE_SIZE},
+                                               {0},
+                                               {slot->marks.buffer, 0, VK_WHOLE_SIZE}};
+    const VkDescriptorImageInfo image = {r->decals.sampler, r->decals.image.view,
+                                         VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    VkWriteDescriptorSet writes[4];
+    for (uint32_t i = 0; i < 4; i++)
+        writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                           .dstSet = slot->set,
+                                           .dstBinding = i,
+                                           .descriptorCount = 1,
+                                           .descriptorType =
+                                               i == 0   ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
+                                               : i == 2 ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER
+                                                        : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                           .pBufferInfo = i == 2 ? NULL : &buffers[i],
+                                           .pImageInfo = i == 2 ? &image : NULL};
+    vkUpdateDescriptorSets(r->gpu->device, 4, writes, 0, NULL);
     return AP_OK;
 }
 
@@ -145,6 +156,10 @@ static enum ap_status create_slot(struct ap_error *err, struct ap_renderer *r, s
     if (st == AP_OK)
         st = ap_gpu_buffer_create(err, r->gpu, draws, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true,
                                   &slot->draws);
+    VkDeviceSize marks = (ap_draw_list_marks_max(r->scene) + 1) * sizeof(struct ap_gpu_mark);
+    if (st == AP_OK)
+        st = ap_gpu_buffer_create(err, r->gpu, marks, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true,
+                                  &slot->marks);
     return st == AP_OK ? fill_slot_set(err, r, slot) : st;
 }
 
@@ -162,6 +177,10 @@ static enum ap_status create_parts(struct ap_error *err, struct ap_renderer *r) 
         st = ap_resolve_create(err, r->gpu, &resolve, &r->resolve);
     if (st == AP_OK)
         st = ap_meshes_create(err, r->gpu, r->scene, &r->meshes);
+    struct ap_decals_params decals = {r->params.decals, r->params.decal_px, r->params.decal_count};
+    if (st == AP_OK)
+        st = ap_decals_create(err, r->gpu, &decals, &r->decals);
+    r->params.decals = NULL; // the caller's
     if (st == AP_OK)
         st = ap_draw_list_create(err, r->scene->part_count, &r->list);
     for (int i = 0; st == AP_OK && i < RING; i++)
@@ -225,11 +244,13 @@ void ap_renderer_destroy(struct ap_renderer *r) {
         vkDestroyFence(device, slot->fence, NULL);
         ap_gpu_buffer_destroy(r->gpu, &slot->frame);
         ap_gpu_buffer_destroy(r->gpu, &slot->draws);
+        ap_gpu_buffer_destroy(r->gpu, &slot->marks);
     }
     for (int i = 0; i < 2; i++)
         ap_pass_destroy(r->gpu, &r->pass[i]);
     ap_resolve_destroy(r->gpu, &r->resolve);
     ap_draw_list_destroy(&r->list);
+    ap_decals_destroy(r->gpu, &r->decals);
     ap_meshes_destroy(r->gpu, &r->meshes);
     vkDestroyDescriptorPool(device, r->descriptors, NULL);
     vkDestroyPipelineLayout(device, r->layout, NULL);
@@ -358,9 +379,10 @@ enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
     struct ap_eyes eyes = ap_eyes_of(viewer, r->params.width, r->params.height);
     ap_draw_list_fill(r->scene, &r->meshes, input, &eyes, r->params.no_cull, &r->list);
     struct ap_gpu_frame frame = ap_frame_of(viewer);
+    ap_frame_light(viewer, &eyes, r->scene->lamp_reach_m, r->scene->lamp_radius_m, &frame);
     ap_frame_depth(viewer, &eyes, &r->list.range, &frame);
     memcpy(slot->frame.mapped, &frame, sizeof frame);
-    ap_draw_list_write(r->scene, input, &eyes, &r->list, slot->draws.mapped);
+    ap_draw_list_write(r->scene, input, &eyes, &r->list, slot->draws.mapped, slot->marks.mapped);
 
     st = record(err, r, input->closed_eyes, target, slot);
     if (st != AP_OK)

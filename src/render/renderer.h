@@ -16,9 +16,13 @@
 struct ap_renderer;
 
 struct ap_renderer_params {
-    VkFormat color_format;      // an sRGB format, or the result is written linear
-    uint32_t width, height;     // of one eye; both eyes are drawn at one size
-    uint32_t samples;           // 0: 4
+    VkFormat color_format;  // an sRGB format, or the result is written linear
+    uint32_t width, height; // of one eye; both eyes are drawn at one size
+    uint32_t samples;       // 0: 4
+    // The scene's texts as coverage, 0…255: a square of decal_px for each of its decals, one after
+    // the other. Copied. NULL: balls bear none.
+    const uint8_t *decals;
+    uint32_t decal_px, decal_count;
     bool no_multiview;          // one pass for each eye; what a software device gets anyway, unless
     bool multiview_in_software; // …the test that proves the two ways equal asks for it
     bool no_cull;               // draw what no eye can see too: for a test likewise

@@ -1,10 +1,10 @@
 #include "src/scene/build.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { RACK = 15, ROWS = 5 };
 
-static const double ball_radius_m = 0.05715 / 2;
 static const unsigned cue_ball_rgb = 0xfbf7ea;
 
 // Numbers 1 to 8; 9 to 15 are white with a stripe of 1 to 7.
@@ -49,12 +49,21 @@ static double touching_feet(struct ap_space space, double s) {
     return space.kappa < 0 ? 2 * rho * asinh(tanh(t)) : 2 * s;
 }
 
-static void add_stripe(struct ap_scene_build *build, struct ap_iso place, int solid, unsigned rgb,
-                       int number) {
-    // Every stripe lies differently.
-    struct ap_vec3 axis = ap_vec3_normalize((struct ap_vec3){0.3, 1, 0.2 * (number - 11)});
-    struct ap_iso turn = ap_iso_rotate(ap_quat_from_axis_angle(axis, 0.9 * number));
-    ap_build_part(build, ap_solid_part(ap_iso_mul(place, turn), solid, rgb));
+static void add_pool_ball(struct ap_scene_build *build, struct ap_iso place, double radius_m,
+                          int number) {
+    // Every ball lies differently, its number where somebody who walks round may see it.
+    struct ap_vec3 axis = ap_vec3_normalize((struct ap_vec3){1, 0.25 * (number % 5 - 2), 0.3});
+    struct ap_iso turn =
+        ap_iso_mul(ap_iso_rotate_y(2.4 * number),
+                   ap_iso_rotate(ap_quat_from_axis_angle(axis, -0.45 - 0.11 * (number % 7))));
+    char text[8];
+    snprintf(text, sizeof text, "%d", number);
+    struct ap_part part =
+        ap_ball_part(ap_iso_mul(place, turn), radius_m, ball_rgb[(number - 1) % 8]);
+    part.finish = number > 8 ? AP_FINISH_STRIPED : AP_FINISH_POOL;
+    part.decal = ap_build_decal(build, text);
+    part.casts_shadow = true;
+    ap_build_part(build, part);
 }
 
 static void add_rack(struct ap_scene_build *build, double radius_m) {
@@ -67,26 +76,21 @@ static void add_rack(struct ap_scene_build *build, double radius_m) {
         spacing *= gap / closest_feet(t->space, feet);
     }
     rack_feet(spacing, -0.28 * t->inradius_m, feet);
-    struct ap_mesh band = {0};
-    ap_mesh_band(&band, 1.012 * radius_m, 0.5);
-    int stripe = ap_build_solid(build, &band);
     for (int i = 0; i < RACK; i++) {
-        struct ap_iso place = resting(t->space, feet[i].x, feet[i].z, radius_m);
-        unsigned rgb = ball_rgb[(rack[i] - 1) % 8];
-        ap_build_part(build, ap_ball_part(place, radius_m, rack[i] > 8 ? cue_ball_rgb : rgb));
-        if (rack[i] > 8)
-            add_stripe(build, place, stripe, rgb, rack[i]);
+        add_pool_ball(build, resting(t->space, feet[i].x, feet[i].z, radius_m), radius_m, rack[i]);
         build->object++;
     }
 }
 
 static void add_balls(struct ap_scene_build *build) {
     const struct ap_table_shape *t = &build->table;
-    // Real balls, unless the table is too small for fifteen of them.
-    double radius = fmin(ball_radius_m, 0.0835 * t->inradius_m);
+    double radius = ap_pool_ball_radius(t);
     add_rack(build, radius);
-    ap_build_part(build, ap_ball_part(resting(t->space, 0, 0.6 * t->inradius_m, radius), radius,
-                                      cue_ball_rgb));
+    struct ap_part cue_ball =
+        ap_ball_part(resting(t->space, 0, 0.6 * t->inradius_m, radius), radius, cue_ball_rgb);
+    cue_ball.finish = AP_FINISH_POOL;
+    cue_ball.casts_shadow = true;
+    ap_build_part(build, cue_ball);
     build->object++;
 }
 
@@ -118,8 +122,11 @@ static void add_lanterns(struct ap_scene_build *build) {
         part.lit = false;
         part.target = true;
         strcpy(part.name, lantern[i].name);
-        if (strcmp(part.name, "lamp") == 0)
+        if (strcmp(part.name, "lamp") == 0) {
             build->scene->lamp = ap_exp(space, at);
+            build->scene->lamp_reach_m = ap_vec3_length(at);
+            build->scene->lamp_radius_m = radius;
+        }
         ap_build_part(build, part);
         build->object++;
     }

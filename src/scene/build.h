@@ -13,7 +13,7 @@ struct ap_scene_build {
     struct ap_scene *scene;
     struct ap_table_shape
         table; // of the scene's space; in a file without a table, what one would be
-    size_t part_room, solid_room;
+    size_t part_room, solid_room, decal_room;
     int object; // what the next parts belong to
     bool out_of_memory;
 };
@@ -41,6 +41,10 @@ void ap_build_part(struct ap_scene_build *build, struct ap_part part);
 // memory is remembered too.
 int ap_build_solid(struct ap_scene_build *build, struct ap_mesh *mesh);
 
+// What a part's `decal` is to be for this text (at most AP_DECAL_TEXT_MAX − 1 bytes, else it is
+// cut); the same for the same text.
+int ap_build_decal(struct ap_scene_build *build, const char *text);
+
 // 0xRRGGBB as 0…1 three times, and back.
 void ap_color_set(struct ap_part *part, unsigned rgb);
 unsigned ap_color_rgb(const double srgb[3]);
@@ -59,6 +63,11 @@ void ap_furnish_table(struct ap_scene_build *build);
 void ap_furnish_tiling(struct ap_scene_build *build);
 void ap_furnish_hands(struct ap_scene_build *build);
 void ap_furnish_cue(struct ap_scene_build *build);
+
+// Balls of the game: their radius on this table, and how near to a corner their foot falls into its
+// pocket: the mouth's radius. A foot comes no nearer to an edge than rail and ball allow.
+double ap_pool_ball_radius(const struct ap_table_shape *table);
+double ap_pocket_radius(const struct ap_table_shape *table);
 
 // How far the rails stand over the felt and reach in from the edge.
 double ap_rail_radius(const struct ap_table_shape *table);

@@ -76,6 +76,7 @@ void ap_furnish_cue(struct ap_scene_build *build) {
             ap_stick_part(ap_shift(build->scene->space, 0, 0, middle),
                           piece[i].butt_z - piece[i].tip_z, piece[i].tip_radius, piece[i].rgb);
         part.radius2_m = piece[i].butt_radius;
+        part.finish = i == 1 || i == 3 ? AP_FINISH_WOOD : AP_FINISH_MATTE;
         part.carrier = AP_CARRIER_RIGHT;
         ap_build_part(build, part);
     }

@@ -131,19 +131,3 @@ void ap_mesh_limb(struct ap_mesh *mesh, struct ap_vec3 a, double r0, struct ap_v
         before = row;
     }
 }
-
-void ap_mesh_band(struct ap_mesh *mesh, double radius_m, double half_width_rad) {
-    unsigned before = 0;
-    for (int j = 0; j <= BAND_ACROSS; j++) {
-        double lat = half_width_rad * (2.0 * j / BAND_ACROSS - 1);
-        unsigned row = (unsigned)mesh->solid.vertex_count;
-        for (int i = 0; i <= BAND_AROUND; i++) {
-            double lon = 2 * M_PI * i / BAND_AROUND;
-            struct ap_vec3 n = {sin(lat), cos(lat) * cos(lon), cos(lat) * sin(lon)};
-            ap_mesh_vertex(mesh, ap_vec3_scale(radius_m, n), n);
-        }
-        if (j > 0)
-            join_rows(mesh, before, row, BAND_AROUND);
-        before = row;
-    }
-}

@@ -32,8 +32,4 @@ void ap_mesh_ellipsoid(struct ap_mesh *mesh, struct ap_pose mesh_from_shape, str
 // What is within r0…r1 of the segment a…b: a round-ended, tapering limb.
 void ap_mesh_limb(struct ap_mesh *mesh, struct ap_vec3 a, double r0, struct ap_vec3 b, double r1);
 
-// The zone of a sphere about the origin between latitudes ±half_width_rad round the x axis' great
-// circle (its plane is y–z): the stripe of a billiard ball.
-void ap_mesh_band(struct ap_mesh *mesh, double radius_m, double half_width_rad);
-
 #endif

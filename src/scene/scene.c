@@ -1,6 +1,8 @@
 #include "src/scene/build.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const double default_edge_m = 0.9, default_height_m = 0.75;
 
@@ -123,6 +125,23 @@ int ap_build_solid(struct ap_scene_build *build, struct ap_mesh *mesh) {
     return (int)s->solid_count++;
 }
 
+int ap_build_decal(struct ap_scene_build *build, const char *text) {
+    struct ap_scene *s = build->scene;
+    struct ap_decal decal = {""};
+    snprintf(decal.text, sizeof decal.text, "%s", text);
+    for (size_t i = 0; i < s->decal_count; i++)
+        if (strcmp(s->decals[i].text, decal.text) == 0)
+            return (int)i + 1;
+    void *items = s->decals;
+    if (!make_room(&items, s->decal_count, &build->decal_room, sizeof decal)) {
+        build->out_of_memory = true;
+        return 0;
+    }
+    s->decals = items;
+    s->decals[s->decal_count++] = decal;
+    return (int)s->decal_count;
+}
+
 void ap_color_set(struct ap_part *part, unsigned rgb) {
     for (int i = 0; i < 3; i++)
         part->color_srgb[i] = (double)(rgb >> (16 - 8 * i) & 255) / 255;
@@ -181,5 +200,6 @@ void ap_scene_destroy(struct ap_scene *scene) {
     }
     free(scene->solids);
     free(scene->parts);
+    free(scene->decals);
     free(scene);
 }

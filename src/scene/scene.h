@@ -21,6 +21,17 @@ enum ap_part_kind {
     AP_PART_SOLID,   // triangles given as tangent vectors at the part's place, then exp
 };
 
+// What a lit part's surface is made of. Plain ones get their light at their corners, the others at
+// every pixel; it is the lamp's, along geodesics (src/view/light.h).
+enum ap_finish {
+    AP_FINISH_PLAIN,
+    AP_FINISH_MATTE,
+    AP_FINISH_CLOTH,   // of a table; its weave lies in the part's x–z plane
+    AP_FINISH_WOOD,    // the grain along the part's z
+    AP_FINISH_POOL,    // a ball of one colour with its text in a white disc about ±z
+    AP_FINISH_STRIPED, // a white ball with a band of its colour round the y–z plane, and the same
+};
+
 // What carries a part: its place is carrier_from_part, relative to the world or to a tracked device
 // whose virtual pose changes every frame.
 enum ap_carrier { AP_CARRIER_WORLD, AP_CARRIER_LEFT, AP_CARRIER_RIGHT };
@@ -34,6 +45,19 @@ struct ap_solid {
     double reach_m; // largest |position|
 };
 
+// A short text on balls (AP_FINISH_POOL, _STRIPED).
+enum { AP_DECAL_TEXT_MAX = 8 };
+struct ap_decal {
+    char text[AP_DECAL_TEXT_MAX]; // UTF-8
+};
+
+// The mouth of a pocket, drawn on what takes marks: all within radius_m of a point of the world.
+struct ap_mouth {
+    struct ap_vec4 at;
+    double radius_m;
+};
+enum { AP_MOUTHS_MAX = 8 };
+
 struct ap_part {
     enum ap_part_kind kind;
     enum ap_carrier carrier;
@@ -44,10 +68,14 @@ struct ap_part {
     int solid;            // index into scene->solids
     double color_srgb[3]; // 0…1, as written in the file; unlit parts show exactly this
     bool lit;
-    bool hidden;   // not drawn (a hand that is not tracked is handled by the renderer)
-    char name[64]; // target name, or ""
-    bool target;   // an unlit ball with a colour used once
-    int object;    // index of the scene object it came from
+    enum ap_finish finish;
+    int decal;         // 1 + an index into scene->decals; 0: none
+    bool casts_shadow; // a ball, on what takes marks
+    bool takes_marks;  // a surface on which such balls lie: their shadows, and the pockets' mouths
+    bool hidden;       // not drawn (a hand that is not tracked is handled by the renderer)
+    char name[64];     // target name, or ""
+    bool target;       // an unlit ball with a colour used once
+    int object;        // index of the scene object it came from
 };
 
 struct ap_scene {
@@ -60,6 +88,14 @@ struct ap_scene {
     bool has_table; // a {"table": {}} object: the room has a physical table
     double table_edge_m, table_height_m;
     struct ap_vec4 lamp; // where lit parts are lit from (world)
+    // The lamp is a ball; at lamp_reach_m its light shows colours as they are written, and falls
+    // from there as the area of a geodesic sphere grows. 0: a reach of 1 m (in s3 at most a sixth
+    // of a turn), a point.
+    double lamp_reach_m, lamp_radius_m;
+    struct ap_decal *decals;
+    size_t decal_count;
+    struct ap_mouth mouths[AP_MOUTHS_MAX];
+    int mouth_count;
 };
 
 struct ap_scene_params {

@@ -6,6 +6,16 @@ double ap_rail_radius(const struct ap_table_shape *table) {
     return fmin(0.025, 0.07 * table->inradius_m);
 }
 
+double ap_pool_ball_radius(const struct ap_table_shape *table) {
+    // Real balls, unless the table is too small for fifteen of them.
+    return fmin(0.05715 / 2, 0.0835 * table->inradius_m);
+}
+
+double ap_pocket_radius(const struct ap_table_shape *table) {
+    double ball_m = ap_pool_ball_radius(table);
+    return sqrt(2) * (ap_rail_radius(table) + ball_m) + ball_m;
+}
+
 // The stick's frame lies along z; edges run along x.
 static struct ap_iso along_x(void) {
     return ap_iso_rotate_y(M_PI / 2);
@@ -20,26 +30,73 @@ static struct ap_iso world_from_corner(const struct ap_table_shape *t, int k) {
                       ap_shift(t->space, 0, 0, -t->circumradius_m));
 }
 
-// Felt, a rail along each edge as a geodesic tube whose axis is the edge itself, so that it follows
-// the edge in every space; the felt ends inside of it. Sights on the rails, legs at the corners.
+static struct ap_part wooden(struct ap_part part) {
+    part.finish = AP_FINISH_WOOD;
+    return part;
+}
+
+// A roll of leather round the outside of a corner, from rail to rail: three quarters of the mouth's
+// rim, given as tangent vectors at the corner, whose table lies toward +z.
+static int pocket_rim(struct ap_scene_build *build) {
+    double r = ap_pocket_radius(&build->table), thick = 0.36 * ap_rail_radius(&build->table);
+    struct ap_mesh mesh = {0};
+    enum { STEPS = 14 };
+    struct ap_vec3 before = {0};
+    for (int i = 0; i <= STEPS; i++) {
+        double a = M_PI / 4 * (1 + 6.0 * i / STEPS);
+        struct ap_vec3 at = {r * sin(a), 0.4 * thick, r * cos(a)};
+        if (i > 0)
+            ap_mesh_limb(&mesh, before, thick, at, thick);
+        before = at;
+    }
+    return ap_build_solid(build, &mesh);
+}
+
+enum { MOUTH_SIDES = 32 };
+
+static void furnish_corner(struct ap_scene_build *build, struct ap_iso corner, int rim) {
+    const struct ap_table_shape *t = &build->table;
+    double rail = ap_rail_radius(t),
+           leg = t->space.kappa > 0 ? fmin(0.7, 0.8 * t->space.rho_m) : 0.7;
+    ap_build_part(build, ap_solid_part(corner, rim, 0x3a2114));
+    // Black beyond the cloth, over the tiles that meet there.
+    double r = ap_pocket_radius(t), half = sin(M_PI / MOUTH_SIDES);
+    half *= ap_space_sin(t->space, r / t->space.rho_m);
+    half = t->space.kappa > 0 ? asin(half) : t->space.kappa < 0 ? asinh(half) : half;
+    struct ap_iso lid = ap_iso_mul(corner, ap_shift(t->space, 0, 0.06 * rail, 0));
+    struct ap_part hole = ap_polygon_part(lid, MOUTH_SIDES, 2 * half * t->space.rho_m, 0x0a0908);
+    ap_build_part(build, hole);
+    struct ap_iso middle = ap_iso_mul(corner, ap_shift(t->space, 0, -leg / 2 - rail, 0));
+    ap_build_part(build,
+                  wooden(ap_stick_part(ap_iso_mul(middle, along_y()), leg, 0.9 * rail, 0x4a2c18)));
+    struct ap_mouth *mouth = &build->scene->mouths[build->scene->mouth_count++];
+    mouth->at = ap_iso_apply(&corner, (struct ap_vec4){0, 0, 0, t->space.rho_m});
+    mouth->radius_m = ap_pocket_radius(t);
+}
+
+// Cloth, a rail along each edge as a geodesic tube whose axis is the edge itself, so that it
+// follows the edge in every space; the cloth ends inside of it. Sights on the rails, pockets and
+// legs at the corners.
 void ap_furnish_table(struct ap_scene_build *build) {
     const struct ap_table_shape *t = &build->table;
-    double rail = ap_rail_radius(t);
-    ap_build_part(build, ap_polygon_part(AP_ISO_IDENTITY, t->sides, t->edge_m, 0x1f7a4a));
+    double rail = ap_rail_radius(t), pocket = ap_pocket_radius(t);
+    struct ap_part felt = ap_polygon_part(AP_ISO_IDENTITY, t->sides, t->edge_m, 0x1f7a4a);
+    felt.finish = AP_FINISH_CLOTH;
+    felt.takes_marks = true;
+    ap_build_part(build, felt);
+    int rim = pocket_rim(build);
+    build->scene->mouth_count = 0;
     for (int k = 0; k < t->sides; k++) {
         struct ap_iso edge = ap_table_edge_frame(t, k);
-        ap_build_part(build, ap_stick_part(ap_iso_mul(edge, along_x()), t->edge_m, rail, 0x6b3f22));
+        double length_m = t->edge_m - 2 * pocket;
+        ap_build_part(build,
+                      wooden(ap_stick_part(ap_iso_mul(edge, along_x()), length_m, rail, 0x6b3f22)));
         for (int i = -1; i <= 1; i++) {
             struct ap_iso along = ap_iso_mul(edge, ap_shift(t->space, i * t->edge_m / 4, 0, 0));
             struct ap_iso top = ap_iso_mul(along, ap_shift(t->space, 0, rail, 0));
             ap_build_part(build, ap_ball_part(top, 0.16 * rail, 0xf0e8d0));
         }
-        struct ap_iso corner = world_from_corner(t, k);
-        ap_build_part(build, ap_ball_part(corner, 1.25 * rail, 0xb08d3c));
-        double leg = t->space.kappa > 0 ? fmin(0.7, 0.8 * t->space.rho_m) : 0.7;
-        struct ap_iso middle = ap_iso_mul(corner, ap_shift(t->space, 0, -leg / 2, 0));
-        ap_build_part(build,
-                      ap_stick_part(ap_iso_mul(middle, along_y()), leg, 0.9 * rail, 0x4a2c18));
+        furnish_corner(build, world_from_corner(t, k), rim);
     }
 }
 
@@ -88,6 +145,23 @@ static int grow_tiling(const struct ap_table_shape *t, int rings, struct tile *t
     return count;
 }
 
+// Along a tile's edge; where it would end at a corner of the table, it ends at the pocket.
+static void add_strut(struct ap_scene_build *build, struct ap_iso edge) {
+    const struct ap_table_shape *t = &build->table;
+    double cut_m[2] = {0, 0};
+    for (int end = 0; end < 2; end++) {
+        struct ap_iso to_end = ap_shift(t->space, (end ? 0.5 : -0.5) * t->edge_m, 0, 0);
+        struct ap_iso at = ap_iso_mul(edge, to_end);
+        for (int i = 0; i < build->scene->mouth_count; i++)
+            if (same_place(t->space, place_of(&at, t->space), build->scene->mouths[i].at))
+                cut_m[end] = ap_pocket_radius(t);
+    }
+    struct ap_iso middle = ap_iso_mul(edge, ap_shift(t->space, (cut_m[0] - cut_m[1]) / 2, 0, 0));
+    ap_build_part(build,
+                  ap_stick_part(ap_iso_mul(middle, along_x()), t->edge_m - cut_m[0] - cut_m[1],
+                                0.24 * ap_rail_radius(t), 0x93a3b8));
+}
+
 // The struts of tile i that no earlier tile has; the table's own edges have rails.
 static void add_struts(struct ap_scene_build *build, const struct tile *tiles, int i) {
     const struct ap_table_shape *t = &build->table;
@@ -102,8 +176,7 @@ static void add_struts(struct ap_scene_build *build, const struct tile *tiles, i
                 known = same_place(t->space, p, place_of(&other, t->space));
             }
         if (!known)
-            ap_build_part(build, ap_stick_part(ap_iso_mul(edge, along_x()), t->edge_m,
-                                               0.24 * ap_rail_radius(t), 0x93a3b8));
+            add_strut(build, edge);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/image/text.h"
 #include "tests/render/stage.h"
 
 static double number(int argc, char **argv, int i, double other) {
@@ -49,7 +50,18 @@ int main(int argc, char **argv) {
     }
     int flags = (int)number(argc, argv, 10, 0); // 1: multiview on a CPU too, 2: no culling
     struct ap_renderer_params how = {.multiview_in_software = flags & 1, .no_cull = flags & 2};
+    const char *texts[32];
+    struct ap_text_atlas atlas = {0};
+    for (size_t i = 0; i < scene->decal_count && i < 32; i++)
+        texts[i] = scene->decals[i].text;
+    if (scene->decal_count > 0 && scene->decal_count <= 32 &&
+        ap_text_atlas_create(NULL, texts, (uint32_t)scene->decal_count, 96, &atlas) == AP_OK) {
+        how.decals = atlas.coverage;
+        how.decal_px = atlas.cell_px;
+        how.decal_count = atlas.count;
+    }
     struct ap_renderer *renderer = stage_renderer(&stage, scene, &how);
+    ap_text_atlas_finish(&atlas);
     struct ap_frame_stats stats = stage_draw(&stage, renderer, &input);
     printf("%zu parts; left eye: %u draws (%u back), %u culled, %llu triangles, %llu vertices\n",
            scene->part_count, stats.eye[0].draws, stats.eye[0].back_draws, stats.eye[0].culled,

@@ -2,6 +2,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -157,6 +158,11 @@ static void targets_are_seen_from_round_the_table(void **state) {
     }
 }
 
+// Not the lid of a pocket's mouth, which lies above.
+static bool is_tile(const struct ap_part *p) {
+    return p->kind == AP_PART_POLYGON && p->sides <= 5;
+}
+
 // Polygons lie in one plane: no two may overlap, or they would flicker. Their centres are at least
 // two inradii apart.
 static void tiles_do_not_overlap(void **state) {
@@ -166,7 +172,7 @@ static void tiles_do_not_overlap(void **state) {
         double least = INFINITY, biggest = 0;
         int tiles = 0;
         for (size_t a = 0; a < s->part_count; a++) {
-            if (s->parts[a].kind != AP_PART_POLYGON)
+            if (!is_tile(&s->parts[a]))
                 continue;
             tiles++;
             double circum, in;
@@ -176,13 +182,49 @@ static void tiles_do_not_overlap(void **state) {
             biggest = fmax(biggest, in);
             close_to("a tile lies in the plane", height(s->space, place(s, &s->parts[a])), 0, 1e-9);
             for (size_t b = 0; b < a; b++)
-                if (s->parts[b].kind == AP_PART_POLYGON)
+                if (is_tile(&s->parts[b]))
                     least = fmin(least, apart(s, place(s, &s->parts[a]), place(s, &s->parts[b])));
         }
         print_message("%s: %d polygons, %zu parts, centres at least %.4g m apart\n", spaces[i],
                       tiles, s->part_count, least);
         assert_true(least > 2 * biggest - 1e-9);
         assert_int_equal(tiles, i == 2 ? 8 : i == 1 ? 41 : 61); // the whole octahedron in s3
+        ap_scene_destroy(s);
+    }
+}
+
+// Fifteen numbers, each once, on balls that lie still: stripes from nine on; the mouths stand at
+// the corners and reach beyond the rails' ends, and no ball lies in one.
+static void numbers_and_pockets(void **state) {
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        struct ap_scene *s = room(spaces[i], 0);
+        struct ap_table_shape table = ap_table_from_edge(s->space.kappa, 0.9, s->space.rho_m);
+        assert_int_equal(s->mouth_count, table.sides);
+        assert_int_equal(s->decal_count, 15);
+        int seen[16] = {0}, casting = 0;
+        for (size_t k = 0; k < s->part_count; k++) {
+            const struct ap_part *p = &s->parts[k];
+            casting += p->casts_shadow;
+            if (p->takes_marks)
+                assert_int_equal(p->finish, AP_FINISH_CLOTH);
+            if (!billiard_ball(p))
+                continue;
+            assert_true(p->casts_shadow);
+            for (int m = 0; m < s->mouth_count; m++)
+                assert_true(apart(s, place(s, p), s->mouths[m].at) > s->mouths[m].radius_m);
+            if (!p->decal)
+                continue;
+            int number = atoi(s->decals[p->decal - 1].text);
+            assert_in_range(number, 1, 15);
+            assert_int_equal(seen[number]++, 0);
+            assert_int_equal(p->finish, number > 8 ? AP_FINISH_STRIPED : AP_FINISH_POOL);
+        }
+        assert_int_equal(casting, 16);
+        for (int m = 0; m < s->mouth_count; m++)
+            close_to("a corner",
+                     apart(s, s->mouths[m].at, (struct ap_vec4){0, 0, 0, s->space.rho_m}),
+                     table.circumradius_m, 1e-12);
         ap_scene_destroy(s);
     }
 }
@@ -239,6 +281,7 @@ int main(void) {
                                        cmocka_unit_test(targets_have_their_own_colours),
                                        cmocka_unit_test(targets_are_seen_from_round_the_table),
                                        cmocka_unit_test(tiles_do_not_overlap),
+                                       cmocka_unit_test(numbers_and_pockets),
                                        cmocka_unit_test(every_part_is_sound),
                                        cmocka_unit_test(small_tables_get_small_balls)};
     return cmocka_run_group_tests(tests, NULL, NULL);
