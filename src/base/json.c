@@ -25,6 +25,8 @@ enum ap_status ap_json_parse(struct ap_error *err, const char *path, const char 
                              json_t **root) {
     json_error_t why;
     json_t *value = json_loadb(bytes, len, JSON_REJECT_DUPLICATES, &why);
+    if (!value && json_error_code(&why) == json_error_out_of_memory)
+        return ap_fail(err, AP_ENVIRONMENT, "%s: out of memory", path);
     if (!value)
         return ap_fail(err, AP_INPUT, "%s:%d:%d: not JSON: %s", path, why.line, why.column,
                        why.text);
