@@ -24,6 +24,13 @@ struct ap_log_options {
         "skip-bad", AP_OPTION_FLAG, &(o).skip_bad, "", "drop and count bad lines"                  \
     }
 
+// What a command's help says of its operands; a piece of a string.
+#define AP_LOG_HELP                                                                                       \
+    "LOG is [head=|left=|right=|NAME=]FILE[,KEY=VALUE...], '-' for standard input. FILE is told by its\n" \
+    "content: the program's own CSV, CSV with NAME_pos_x columns, TUM, EuRoC (poses or imu0), raw HID\n"  \
+    "recordings, BSOR, the JSON of IWER and A-Frame; packed by gzip or zstd or not. KEY: offset (s),\n"   \
+    "time-scale, scale (m), axes (as xz-y), hand, up, frame, invert (docs/pose-logs.md)."
+
 // logs must outlive the log.
 enum ap_status ap_logs_open(struct ap_error *err, const struct ap_log_options *options,
                             char *const *logs, int count, struct ap_poselog **log);

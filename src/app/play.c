@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "src/app/command.h"
+#include "src/app/logs.h"
 #include "src/app/room.h"
 #include "src/app/runtime.h"
 #include "src/base/clock.h"
@@ -23,7 +24,7 @@ static const char help[] =
     "mouse turns it; hold 1 or 2 to move the left or right hand instead; left and right mouse button\n"
     "are trigger and squeeze. Y on a left controller switches between native and tourist view, B on a\n"
     "right one shuts an eye, the other, neither. Ctrl-C or closing the window ends it. With a LOG the simulated headset\n"
-    "replays it in real time instead of listening to the keys.";
+    "replays it in real time instead of listening to the keys.\n" AP_LOG_HELP;
 
 static volatile sig_atomic_t end_asked;
 

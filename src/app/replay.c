@@ -22,9 +22,7 @@ static const char help[] =
     "clock: every frame is stepped, the chosen ones are drawn and captured. DIR gets the stereo\n"
     "pairs, side-by-side and red-cyan pictures, a contact sheet, frames.csv, views.csv, timing.csv,\n"
     "vergence.csv and index.html, a page to open in a browser. All but timing.csv is the same byte\n"
-    "for byte in two runs. Ctrl-C ends it early; what was written stays whole.\n"
-    "LOG is [head=|left=|right=|NAME=]FILE, '-' for standard input: the program's own CSV, TUM, EuRoC\n"
-    "or a raw HID recording (docs/pose-logs.md), told by its content.";
+    "for byte in two runs. Ctrl-C ends it early; what was written stays whole.\n" AP_LOG_HELP;
 
 struct options {
     struct ap_room_options room;

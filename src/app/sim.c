@@ -157,7 +157,7 @@ static enum ap_status run_sim(struct ap_error *err, int argc, char **argv) {
     const struct ap_option options[] = {
         {"headset", AP_OPTION_TEXT, &o.headset, "FILE",
          "headset profile, or standard, wide, ci (standard)"},
-        {"poses", AP_OPTION_LIST, &o.poses, "LOG", "[ROLE=]FILE, a pose log; may be repeated"},
+        {"poses", AP_OPTION_LIST, &o.poses, "LOG", "[ROLE=]FILE[,KEY=VALUE...], a pose log; may be repeated"},
         {"input", AP_OPTION_LIST, &o.inputs, "LOG", "buttons and sticks by time; may be repeated"},
         {"hands", AP_OPTION_TEXT, &o.hands, "FILE", "recorded bare hands, for hand tracking"},
         {"recentre", AP_OPTION_LIST, &o.recentre_s, "S",

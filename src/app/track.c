@@ -17,9 +17,7 @@
 static const char help[] =
     "Places every pose of the logs in the curved space and writes CSV to standard output:\n"
     "t_ns,device,m00,m01,...,m33, a row per sample in the order of the logs' times, the matrix from\n"
-    "the device to the virtual world, 17 significant digits.\n"
-    "LOG is [head=|left=|right=|NAME=]FILE, '-' for standard input: the program's own CSV, TUM,\n"
-    "EuRoC or a raw HID recording, told by its content. Without a role TUM and EuRoC are the head.\n"
+    "the device to the virtual world, 17 significant digits.\n" AP_LOG_HELP "\n"
     "A hand's samples before the head's first give no row (but in 'naive'), nor do those of others\n"
     "before the anchor's first; a warning counts them.\n"
     "Radius: --radius, else the table's for its edge (s3, h3), else 1.\n"
