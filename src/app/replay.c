@@ -166,6 +166,8 @@ static void print_stats(const struct ap_replay *replay) {
            "%.0f triangles, %.0f vertices mapped\n",
            (double)t->draws / views, (double)t->back_draws / views, (double)t->culled / views,
            (double)t->triangles / views, (double)t->vertices / views);
+    printf("a frame, on average: %.1f parts with triangles of their own, %.2f beyond --max-error\n",
+           2 * (double)t->refined / views, 2 * (double)t->beyond_bound / views);
     printf("time: %.1f ms in all; wait %.1f, track %.1f, draw %.1f, end %.1f\n", t->run_ms,
            t->wait_ms, t->track_ms, t->draw_ms, t->end_ms);
 }

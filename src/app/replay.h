@@ -25,6 +25,7 @@ struct ap_replay_totals {
     int64_t stepped, drawn;
     double wait_ms, track_ms, draw_ms, end_ms, run_ms;
     uint64_t draws, culled, back_draws, triangles, vertices;
+    uint64_t refined, beyond_bound; // parts·images (struct ap_frame_stats)
 };
 
 struct ap_replay {

@@ -6,6 +6,7 @@
 #include "src/app/progress.h"
 #include "src/app/replay.h"
 #include "src/base/clock.h"
+#include "src/base/log.h"
 
 // The frame loop of `replay`. The log is told twice: the simulated headset replays it through
 // OpenXR, and the timeline holds it here in double. The trackers get the doubles; every pose that
@@ -146,6 +147,12 @@ static void count_views(struct ap_replay_totals *totals, const struct ap_frame_s
         totals->triangles += s->triangles;
         totals->vertices += s->vertices;
     }
+    totals->refined += stats->refined;
+    if (stats->beyond_bound > 0 && totals->beyond_bound == 0)
+        ap_log(AP_LOG_WARNING,
+               "some surfaces come too near for --max-error to hold everywhere; --stats "
+               "counts them");
+    totals->beyond_bound += stats->beyond_bound;
 }
 
 static enum ap_status draw(struct ap_error *err, struct loop *loop,

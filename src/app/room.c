@@ -107,6 +107,8 @@ static enum ap_status make_decals(struct ap_error *err, struct ap_room *room) {
 }
 
 void ap_room_renderer_params(const struct ap_room *room, struct ap_renderer_params *params) {
+    params->max_error_px = room->max_error_px;
+    params->samples = room->samples;
     params->decals = room->decals.coverage;
     params->decal_px = room->decals.cell_px;
     params->decal_count = room->decals.count;
@@ -114,6 +116,17 @@ void ap_room_renderer_params(const struct ap_room *room, struct ap_renderer_para
 
 void ap_room_switch_view(struct ap_room *room) {
     room->view = room->view == AP_VIEW_TOURIST ? AP_VIEW_NATIVE : AP_VIEW_TOURIST;
+}
+
+static enum ap_status choose_quality(struct ap_error *err, const struct ap_room_options *o,
+                                     struct ap_room *room) {
+    if (!isnan(o->max_error_px) && !(o->max_error_px >= 0.001 && o->max_error_px <= 100))
+        return ap_fail(err, AP_USAGE, "--max-error: expected 0.001 to 100 pixels");
+    if (!isnan(o->samples) && o->samples != 4 && o->samples != 16 && o->samples != 64)
+        return ap_fail(err, AP_USAGE, "--samples: expected 4, 16 or 64 a pixel");
+    room->max_error_px = isnan(o->max_error_px) ? 0 : o->max_error_px;
+    room->samples = isnan(o->samples) ? 0 : (uint32_t)o->samples;
+    return AP_OK;
 }
 
 enum ap_status ap_room_open(struct ap_error *err, const struct ap_room_options *options,
@@ -124,6 +137,8 @@ enum ap_status ap_room_open(struct ap_error *err, const struct ap_room_options *
         st = choose_view(err, options, &room);
     if (!st)
         st = make_decals(err, &room);
+    if (!st)
+        st = choose_quality(err, options, &room);
     if (!st)
         st = open_tracker(err, options, &room);
     if (st)

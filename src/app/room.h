@@ -16,10 +16,15 @@ struct ap_room_options {
     const char *space, *scene, *tracker, *anchor, *view; // NULL: not given
     const char *native_of, *eye;
     double radius_m, table_edge_m, table_height_m; // NAN: not given
+    double max_error_px, samples;                  // likewise
 };
 
 #define AP_ROOM_OPTIONS_NONE                                                                       \
-    ((struct ap_room_options){.radius_m = NAN, .table_edge_m = NAN, .table_height_m = NAN})
+    ((struct ap_room_options){.radius_m = NAN,                                                     \
+                              .table_edge_m = NAN,                                                 \
+                              .table_height_m = NAN,                                               \
+                              .max_error_px = NAN,                                                 \
+                              .samples = NAN})
 
 // The options' table entries, for a command that takes them.
 #define AP_ROOM_OPTION_TABLE(o)                                                                    \
@@ -34,6 +39,9 @@ struct ap_room_options {
          "default billiards with a table, else anchor"},                                           \
         {"anchor", AP_OPTION_TEXT, &(o).anchor, "DEVICE",                                          \
          "of the anchor tracker: head, left, right, hands or a name (head)"},                      \
+        {"max-error", AP_OPTION_NUMBER, &(o).max_error_px, "PX",                                   \
+         "farthest that a surface may be seen from where it is (0.25)"},                           \
+        {"samples", AP_OPTION_NUMBER, &(o).samples, "N", "a pixel: 4, 16 or 64 (4)"},              \
         {"scene", AP_OPTION_TEXT, &(o).scene, "FILE", "a scene (default: the billiards room)"},    \
         {"table-edge", AP_OPTION_NUMBER, &(o).table_edge_m, "M",                                   \
          "edge of the real square table (0.9)"},                                                   \
@@ -50,6 +58,8 @@ struct ap_room {
     unsigned closed_eyes;        // bit 0 left, bit 1 right
     struct ap_text_atlas decals; // of the scene's texts; none where there is no font
     bool has_table;              // the room has a physical table
+    double max_error_px;         // 0: the renderer's default
+    uint32_t samples;            // likewise
 };
 
 // Command line before scene file before defaults. AP_USAGE or AP_INPUT where they contradict.

@@ -17,6 +17,8 @@ enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
 
 void ap_draw_list_destroy(struct ap_draw_list *list) {
     free(list->items);
+    ap_mesh_data_finish(&list->refined);
+    ap_refiner_finish(&list->refiner);
     memset(list, 0, sizeof *list);
 }
 
@@ -24,8 +26,10 @@ static int compare_items(const void *left, const void *right) {
     const struct ap_draw_item *a = left, *b = right;
     if (a->pipeline != b->pipeline)
         return a->pipeline < b->pipeline ? -1 : 1;
-    if (a->mesh->first_index != b->mesh->first_index)
-        return a->mesh->first_index < b->mesh->first_index ? -1 : 1;
+    if (a->refined != b->refined)
+        return a->refined ? 1 : -1;
+    if (a->mesh.first_index != b->mesh.first_index)
+        return a->mesh.first_index < b->mesh.first_index ? -1 : 1;
     if (a->part != b->part)
         return a->part < b->part ? -1 : 1;
     return a->image != b->image ? a->image - b->image : a->way - b->way;
@@ -40,8 +44,8 @@ static void count(struct ap_draw_list *list, const struct ap_draw_item *item, un
         }
         stats->draws++;
         stats->back_draws += item->image == 1;
-        stats->triangles += item->mesh->index_count / 3;
-        stats->vertices += item->mesh->vertex_count;
+        stats->triangles += item->mesh.index_count / 3;
+        stats->vertices += item->mesh.vertex_count;
     }
 }
 
@@ -92,56 +96,99 @@ static void add_image(struct ap_draw_list *list, const struct ap_viewer *viewer,
         count(list, &item, 0);
 }
 
-static void add_part(const struct ap_place_params *params, const struct ap_eyes *eyes,
-                     const struct ap_scene *scene, const struct ap_meshes *meshes, size_t index,
-                     unsigned open_eyes, struct ap_draw_list *list) {
-    const struct ap_viewer *viewer = params->viewer;
-    const struct ap_part *part = &scene->parts[index];
-    const struct ap_shape *shape = &meshes->shapes[meshes->shape_of_part[index]];
-    double reach_m = part->kind == AP_PART_BALL ? part->radius_m : meshes->reach_m[index];
-    struct ap_place place = ap_place_part(params, part, reach_m);
+// What the bound costs: a mesh of more triangles made ahead gives way to one made for this frame,
+// which is fine only where it is looked at; and no frame gets more of those than…
+enum { AHEAD_MAX = 2000, REFINED_MAX = 400000 };
+
+static enum ap_status choose_mesh(struct ap_error *err, const struct ap_list_params *params,
+                                  const struct ap_place *place, struct ap_draw_list *list,
+                                  struct ap_draw_item *item) {
+    const struct ap_viewer *viewer = &params->input->viewer;
+    const struct ap_part *part = &params->scene->parts[item->part];
+    const struct ap_shape *shape =
+        &params->meshes->shapes[params->meshes->shape_of_part[item->part]];
+    int level;
+    // Unlit parts are what is measured.
+    double max_error_px = part->lit ? params->max_error_px : fmin(params->max_error_px, 0.05);
+    bool held = ap_choose_level(viewer, params->eyes, part, shape, place, max_error_px, &level);
+    item->mesh = shape->mesh[level];
+    size_t used = list->refined.index_count / 3;
+    if (part->kind == AP_PART_SOLID || (held && item->mesh.index_count / 3 <= AHEAD_MAX) ||
+        used >= REFINED_MAX) {
+        list->stats.beyond_bound += !held;
+        return AP_OK;
+    }
+    const struct ap_refine_params refine = {.viewer = viewer,
+                                            .eyes = params->eyes,
+                                            .nose_from_part = item->nose_from_part,
+                                            .image = item->image,
+                                            .max_error_px = max_error_px,
+                                            .closed = item->pipeline == AP_PIPELINE_CLOSED ||
+                                                      item->pipeline == AP_PIPELINE_FINISH,
+                                            .triangles_max = REFINED_MAX - used};
+    item->refined = true;
+    list->stats.refined++;
+    enum ap_status st =
+        ap_refine_part(err, &list->refiner, &refine, part, &list->refined, &item->mesh, &held);
+    list->stats.beyond_bound += st == AP_OK && !held;
+    return st;
+}
+
+static enum ap_status add_part(struct ap_error *err, const struct ap_list_params *params,
+                               const struct ap_place_params *where, size_t index,
+                               struct ap_draw_list *list) {
+    const struct ap_viewer *viewer = where->viewer;
+    const struct ap_part *part = &params->scene->parts[index];
+    double reach_m = part->kind == AP_PART_BALL ? part->radius_m : params->meshes->reach_m[index];
+    struct ap_place place = ap_place_part(where, part, reach_m);
+    unsigned open_eyes = ~params->input->closed_eyes;
     double turn = 2 * PI * viewer->space.rho_m;
-    for (int image = 0; image < (viewer->space.kappa > 0 ? 2 : 1); image++) {
+    enum ap_status st = AP_OK;
+    for (int image = 0; st == AP_OK && image < (viewer->space.kappa > 0 ? 2 : 1); image++) {
         struct ap_draw_item item = {.part = (uint32_t)index,
                                     .image = image,
                                     .eyes = place.eyes[image] & open_eyes,
-                                    .mesh = &shape->mesh[0],
                                     .nose_from_part = place.nose_from_part};
         if (item.eyes != 0) {
-            bool guard = ap_needs_guard(viewer, eyes, &place);
+            bool guard = ap_needs_guard(viewer, params->eyes, &place);
             item.pipeline = pipeline_for(part, guard);
-            item.mesh = &shape->mesh[ap_choose_level(viewer, eyes, part, shape, &place)];
+            st = choose_mesh(err, params, &place, list, &item);
         }
-        add_image(list, viewer, item, image ? turn - place.far_m : place.near_m,
-                  image ? turn - place.near_m : place.far_m);
+        if (st == AP_OK)
+            add_image(list, viewer, item, image ? turn - place.far_m : place.near_m,
+                      image ? turn - place.near_m : place.far_m);
     }
+    return st;
 }
 
-void ap_draw_list_fill(const struct ap_scene *scene, const struct ap_meshes *meshes,
-                       const struct ap_frame_input *input, const struct ap_eyes *eyes, bool no_cull,
-                       struct ap_draw_list *list) {
+enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_params *params,
+                                 struct ap_draw_list *list) {
+    const struct ap_frame_input *input = params->input;
     const struct ap_viewer *viewer = &input->viewer;
     struct ap_iso nose_from_world = ap_iso_inverse(viewer->space, viewer->world_from_nose);
-    struct ap_place_params params = {.viewer = viewer, .no_cull = no_cull};
-    params.nose_from_carrier[AP_CARRIER_WORLD] = nose_from_world;
-    params.nose_from_carrier[AP_CARRIER_LEFT] =
+    struct ap_place_params where = {.viewer = viewer, .no_cull = params->no_cull};
+    where.nose_from_carrier[AP_CARRIER_WORLD] = nose_from_world;
+    where.nose_from_carrier[AP_CARRIER_LEFT] =
         ap_iso_mul(nose_from_world, input->world_from_hand[0]);
-    params.nose_from_carrier[AP_CARRIER_RIGHT] =
+    where.nose_from_carrier[AP_CARRIER_RIGHT] =
         ap_iso_mul(nose_from_world, input->world_from_hand[1]);
     list->count = 0;
+    list->refined.vertex_count = list->refined.index_count = 0;
     memset(&list->stats, 0, sizeof list->stats);
     for (int image = 0; image < 2; image++) {
         list->range.near_m[image] = INFINITY;
         list->range.far_m[image] = 0;
     }
-    for (size_t i = 0; i < scene->part_count; i++) {
-        const struct ap_part *part = &scene->parts[i];
+    enum ap_status st = AP_OK;
+    for (size_t i = 0; st == AP_OK && i < params->scene->part_count; i++) {
+        const struct ap_part *part = &params->scene->parts[i];
         bool missing = (part->carrier == AP_CARRIER_LEFT && !input->hand_tracked[0]) ||
                        (part->carrier == AP_CARRIER_RIGHT && !input->hand_tracked[1]);
         if (!part->hidden && !missing)
-            add_part(&params, eyes, scene, meshes, i, ~input->closed_eyes, list);
+            st = add_part(err, params, &where, i, list);
     }
     qsort(list->items, list->count, sizeof *list->items, compare_items);
+    return st;
 }
 
 float ap_linear_color(double srgb) {

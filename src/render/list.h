@@ -3,6 +3,7 @@
 
 #include "src/render/pass.h"
 #include "src/render/place.h"
+#include "src/render/refine.h"
 #include "src/render/renderer.h"
 
 // What is drawn in a frame: a part in an image, for the eyes that may see it.
@@ -12,7 +13,8 @@ struct ap_draw_item {
     int way; // native-of: 1, seen the long way round her own s3
     unsigned eyes;
     enum ap_pipeline_kind pipeline;
-    const struct ap_mesh *mesh;
+    bool refined; // mesh lies in the list's own data, not in the scene's
+    struct ap_mesh mesh;
     struct ap_iso nose_from_part;
 };
 
@@ -21,17 +23,29 @@ struct ap_draw_list {
     size_t count;
     struct ap_depth_range range;
     struct ap_frame_stats stats;
+    // Meshes made for this frame alone, where none made ahead is good enough.
+    struct ap_mesh_data refined;
+    struct ap_refiner refiner;
+};
+
+struct ap_list_params {
+    const struct ap_scene *scene;
+    const struct ap_meshes *meshes;
+    const struct ap_frame_input *input;
+    const struct ap_eyes *eyes;
+    double max_error_px;
+    bool no_cull;
 };
 
 enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
                                    struct ap_draw_list *list);
 void ap_draw_list_destroy(struct ap_draw_list *list);
 
-// Places every part, drops what no eye can see before any vertex is touched, and sorts the rest so
-// that equal meshes follow one another. The order depends on the input only.
-void ap_draw_list_fill(const struct ap_scene *scene, const struct ap_meshes *meshes,
-                       const struct ap_frame_input *input, const struct ap_eyes *eyes, bool no_cull,
-                       struct ap_draw_list *list);
+// Places every part, drops what no eye can see before any vertex is touched, finds each one a mesh
+// that holds the bound, and sorts so that equal meshes follow one another. The order depends on the
+// input only. AP_ENVIRONMENT: no memory.
+enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_params *params,
+                                 struct ap_draw_list *list);
 
 // How many marks (shadows of balls, mouths of pockets) a frame may need.
 size_t ap_draw_list_marks_max(const struct ap_scene *scene);

@@ -40,12 +40,12 @@ static enum ap_status reserve(struct ap_error *err, struct ap_mesh_data *data, s
     return AP_OK;
 }
 
-static struct ap_mesh begin(const struct ap_mesh_data *data) {
+struct ap_mesh ap_mesh_data_begin(const struct ap_mesh_data *data) {
     return (struct ap_mesh){.first_vertex = (uint32_t)data->vertex_count,
                             .first_index = (uint32_t)data->index_count};
 }
 
-static void end(const struct ap_mesh_data *data, struct ap_mesh *mesh) {
+void ap_mesh_data_end(const struct ap_mesh_data *data, struct ap_mesh *mesh) {
     mesh->vertex_count = (uint32_t)data->vertex_count - mesh->first_vertex;
     mesh->index_count = (uint32_t)data->index_count - mesh->first_index;
 }
@@ -64,8 +64,23 @@ static void add_triangle(struct ap_mesh_data *data, uint32_t a, uint32_t b, uint
     data->index_count += 3;
 }
 
-// The twelve corners and twenty faces of the icosahedron.
-static struct ap_vec3 icosahedron_corner(int i) {
+enum ap_status ap_mesh_data_vertex(struct ap_error *err, struct ap_mesh_data *data,
+                                   struct ap_vec4 position, struct ap_vec4 normal) {
+    enum ap_status st = reserve(err, data, 1, 0);
+    if (st == AP_OK)
+        add_vertex(data, position, normal);
+    return st;
+}
+
+enum ap_status ap_mesh_data_triangle(struct ap_error *err, struct ap_mesh_data *data, uint32_t a,
+                                     uint32_t b, uint32_t c) {
+    enum ap_status st = reserve(err, data, 0, 3);
+    if (st == AP_OK)
+        add_triangle(data, a, b, c);
+    return st;
+}
+
+struct ap_vec3 ap_icosahedron_corner(int i) {
     if (i == 0)
         return (struct ap_vec3){0, 1, 0};
     if (i == 11)
@@ -75,7 +90,7 @@ static struct ap_vec3 icosahedron_corner(int i) {
     return (struct ap_vec3){r * sin(a), y, r * cos(a)};
 }
 
-static void icosahedron_face(int f, int corner[3]) {
+void ap_icosahedron_face(int f, int corner[3]) {
     int k = f % 5, next = (k + 1) % 5;
     static const int TOP = 0, BOTTOM = 11, UPPER = 1, LOWER = 6;
     int faces[4][3] = {{TOP, UPPER + k, UPPER + next},
@@ -133,13 +148,14 @@ enum ap_status ap_mesh_sphere(struct ap_error *err, int level, struct ap_mesh_da
     enum ap_status st = reserve(err, data, 20 * per_face, (size_t)60 * (size_t)n * (size_t)n);
     if (st != AP_OK)
         return st;
-    struct ap_mesh made = begin(data);
+    struct ap_mesh made = ap_mesh_data_begin(data);
     double largest = 0;
     for (int f = 0; f < 20; f++) {
         int index[3];
-        icosahedron_face(f, index);
-        struct ap_vec3 corner[3] = {icosahedron_corner(index[0]), icosahedron_corner(index[1]),
-                                    icosahedron_corner(index[2])};
+        ap_icosahedron_face(f, index);
+        struct ap_vec3 corner[3] = {ap_icosahedron_corner(index[0]),
+                                    ap_icosahedron_corner(index[1]),
+                                    ap_icosahedron_corner(index[2])};
         uint32_t base = (uint32_t)data->vertex_count - made.first_vertex;
         for (int i = 0; i <= n; i++)
             for (int j = 0; j <= n - i; j++) {
@@ -151,7 +167,7 @@ enum ap_status ap_mesh_sphere(struct ap_error *err, int level, struct ap_mesh_da
         if (f % 5 == 0) // the five of a row are congruent
             largest = fmax(largest, largest_facet(corner, n));
     }
-    end(data, &made);
+    ap_mesh_data_end(data, &made);
     *mesh = made;
     *facet_rad = largest;
     return AP_OK;
@@ -188,7 +204,7 @@ enum ap_status ap_mesh_stick(struct ap_error *err, struct ap_space space,
         reserve(err, data, (size_t)rings * ring_size, (size_t)(rings - 1) * (size_t)around * 6);
     if (st != AP_OK)
         return st;
-    struct ap_mesh made = begin(data);
+    struct ap_mesh made = ap_mesh_data_begin(data);
     for (int ring = 0; ring < rings; ring++) {
         int k = ring - cap; // < 0 and > along: in a cap
         double t = fmin(fmax((double)k / along, 0), 1);
@@ -204,7 +220,7 @@ enum ap_status ap_mesh_stick(struct ap_error *err, struct ap_space space,
             add_triangle(data, a, a + 1, b + 1);
             add_triangle(data, a, b + 1, b);
         }
-    end(data, &made);
+    ap_mesh_data_end(data, &made);
     *mesh = made;
     *step_m = part->length_m / along;
     return AP_OK;
@@ -235,7 +251,7 @@ enum ap_status ap_mesh_polygon(struct ap_error *err, struct ap_space space, int 
                      (size_t)sides * (size_t)n * (size_t)n * 3);
     if (st != AP_OK)
         return st;
-    struct ap_mesh made = begin(data);
+    struct ap_mesh made = ap_mesh_data_begin(data);
     double s = ap_space_sin(space, circum / space.rho_m),
            c = ap_space_cos(space, circum / space.rho_m);
     struct ap_vec4 up = {0, 1, 0, 0};
@@ -250,7 +266,7 @@ enum ap_status ap_mesh_polygon(struct ap_error *err, struct ap_space space, int 
                 add_vertex(data, barycentre(space, corner, i, j, n), up);
         add_grid_triangles(data, base, n);
     }
-    end(data, &made);
+    ap_mesh_data_end(data, &made);
     *mesh = made;
     return AP_OK;
 }
@@ -277,7 +293,7 @@ enum ap_status ap_mesh_solid(struct ap_error *err, struct ap_space space,
     enum ap_status st = reserve(err, data, solid->vertex_count, solid->index_count);
     if (st != AP_OK)
         return st;
-    struct ap_mesh made = begin(data);
+    struct ap_mesh made = ap_mesh_data_begin(data);
     for (size_t i = 0; i < solid->vertex_count; i++) {
         const float *p = solid->positions + 3 * i, *n = solid->normals + 3 * i;
         add_solid_vertex(data, space, (struct ap_vec3){p[0], p[1], p[2]},
@@ -285,7 +301,7 @@ enum ap_status ap_mesh_solid(struct ap_error *err, struct ap_space space,
     }
     for (size_t i = 0; i + 2 < solid->index_count; i += 3)
         add_triangle(data, solid->indices[i], solid->indices[i + 1], solid->indices[i + 2]);
-    end(data, &made);
+    ap_mesh_data_end(data, &made);
     *mesh = made;
     return AP_OK;
 }

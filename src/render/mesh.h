@@ -24,11 +24,21 @@ struct ap_mesh_data {
     size_t vertex_space, index_space;
 };
 void ap_mesh_data_finish(struct ap_mesh_data *data);
+enum ap_status ap_mesh_data_vertex(struct ap_error *err, struct ap_mesh_data *data,
+                                   struct ap_vec4 position, struct ap_vec4 normal);
+enum ap_status ap_mesh_data_triangle(struct ap_error *err, struct ap_mesh_data *data, uint32_t a,
+                                     uint32_t b, uint32_t c);
 
 // Where a mesh lies in its data.
 struct ap_mesh {
     uint32_t first_vertex, vertex_count, first_index, index_count;
 };
+struct ap_mesh ap_mesh_data_begin(const struct ap_mesh_data *data); // what is added from here on…
+void ap_mesh_data_end(const struct ap_mesh_data *data, struct ap_mesh *mesh); // …is the mesh
+
+// The twelve corners and twenty faces of the icosahedron.
+struct ap_vec3 ap_icosahedron_corner(int i);
+void ap_icosahedron_face(int f, int corner[3]);
 
 // A sphere of unit vectors, shared by all balls: position = (u, 0), normal = (u, 0); the vertex
 // shader makes (S·u, C) of it. 20·4^level triangles; a facet's corners lie within *facet_rad of its

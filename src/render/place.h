@@ -21,10 +21,12 @@ struct ap_place_params {
 struct ap_place ap_place_part(const struct ap_place_params *params, const struct ap_part *part,
                               double reach_m);
 
-// The coarsest level whose error stays well below a pixel for both eyes.
-int ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
-                    const struct ap_part *part, const struct ap_shape *shape,
-                    const struct ap_place *place);
+// The coarsest mesh made ahead that is seen nowhere farther than max_error_px from the surface it
+// stands for (docs/rendering.md says by which bounds). False, *level the finest: none is, by these
+// bounds; ap_refine_part looks closer.
+bool ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                     const struct ap_part *part, const struct ap_shape *shape,
+                     const struct ap_place *place, double max_error_px, int *level);
 
 // Whether fragments must be looked at: something of it may come within the forbidden distance of an
 // eye or an antipode, or its facets may straddle s3's antipode, or an eye may be inside it.

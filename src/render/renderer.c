@@ -16,6 +16,7 @@ struct slot {
     bool busy; // submitted and not yet waited for
     VkCommandBuffer cmd;
     struct ap_gpu_buffer frame, draws, marks;
+    struct ap_gpu_buffer vertices, indices; // of this frame's own meshes; grow
     VkDescriptorSet set;
     // Made anew each frame: targets belong to somebody else, who may replace them at any time.
     VkImageView target[2];
@@ -27,7 +28,9 @@ struct ap_renderer {
     const struct ap_scene *scene;
     struct ap_renderer_params params;
     bool multiview;
+    double max_error_px;
     VkSampleCountFlagBits samples;
+    uint32_t across; // pixels that are drawn for one of the target's, to each side
     struct ap_meshes meshes;
     struct ap_draw_list list;
     struct ap_decals decals;
@@ -57,15 +60,30 @@ static bool use_multiview(const struct ap_gpu *gpu, const struct ap_renderer_par
     return has.multiview;
 }
 
-// The most samples the device has that are not more than what is asked for; 4 are always there.
-static VkSampleCountFlagBits choose_samples(const struct ap_gpu *gpu, uint32_t wanted) {
+static bool has_samples(const struct ap_gpu *gpu, uint32_t n) {
     const VkPhysicalDeviceLimits *limits = &gpu->properties.limits;
-    VkSampleCountFlags both =
-        limits->framebufferColorSampleCounts & limits->framebufferDepthSampleCounts;
-    uint32_t n = 64;
-    while (n > 4 && (n > wanted || !(both & n)))
-        n /= 2;
-    return (VkSampleCountFlagBits)n;
+    return limits->framebufferColorSampleCounts & limits->framebufferDepthSampleCounts & n;
+}
+
+// Samples of each pixel of the images that are drawn into, and how many of those there are across
+// one of the target's: what the device does not have is made of larger images. 4 are always there.
+static enum ap_status choose_samples(struct ap_error *err, struct ap_renderer *r) {
+    uint32_t wanted = r->params.samples ? r->params.samples : 4, across = 1;
+    if (wanted != 4 && wanted != 16 && wanted != 64)
+        return ap_fail(err, AP_USAGE, "%u samples a pixel: expected 4, 16 or 64", wanted);
+    while (!has_samples(r->gpu, wanted) && wanted > 4) {
+        wanted /= 4;
+        across *= 2;
+    }
+    uint32_t limit = r->gpu->properties.limits.maxImageDimension2D;
+    if (r->params.width > limit / across || r->params.height > limit / across)
+        return ap_fail(err, AP_USAGE,
+                       "pictures of %ux%u with %u samples a pixel are larger than the "
+                       "device's %u: ask for fewer samples",
+                       r->params.width, r->params.height, r->params.samples, limit);
+    r->samples = (VkSampleCountFlagBits)wanted;
+    r->across = across;
+    return AP_OK;
 }
 
 static enum ap_status create_layouts(struct ap_error *err, struct ap_renderer *r) {
@@ -172,7 +190,7 @@ static enum ap_status create_parts(struct ap_error *err, struct ap_renderer *r) 
     if (st == AP_OK)
         st = create_layouts(err, r);
     struct ap_resolve_params resolve = {r->params.color_format, r->params.width, r->params.height,
-                                        (int32_t)r->samples};
+                                        (int32_t)r->samples, (int32_t)r->across};
     if (st == AP_OK)
         st = ap_resolve_create(err, r->gpu, &resolve, &r->resolve);
     if (st == AP_OK)
@@ -202,8 +220,10 @@ enum ap_status ap_renderer_create(struct ap_error *err, const struct ap_gpu *gpu
     r->scene = scene;
     r->params = *params;
     r->multiview = use_multiview(gpu, params);
-    r->samples = choose_samples(gpu, params->samples ? params->samples : 4);
-    enum ap_status st = create_parts(err, r);
+    r->max_error_px = params->max_error_px > 0 ? params->max_error_px : 0.25;
+    enum ap_status st = choose_samples(err, r);
+    if (st == AP_OK)
+        st = create_parts(err, r);
     if (st == AP_OK)
         *renderer = r;
     else
@@ -245,6 +265,8 @@ void ap_renderer_destroy(struct ap_renderer *r) {
         ap_gpu_buffer_destroy(r->gpu, &slot->frame);
         ap_gpu_buffer_destroy(r->gpu, &slot->draws);
         ap_gpu_buffer_destroy(r->gpu, &slot->marks);
+        ap_gpu_buffer_destroy(r->gpu, &slot->vertices);
+        ap_gpu_buffer_destroy(r->gpu, &slot->indices);
     }
     for (int i = 0; i < 2; i++)
         ap_pass_destroy(r->gpu, &r->pass[i]);
@@ -285,28 +307,39 @@ static enum ap_status bind_target(struct ap_error *err, const struct ap_renderer
                        "vkCreateFramebuffer");
 }
 
-// Runs of equal meshes become one instanced draw.
-static void record_draws(const struct ap_renderer *r, const struct ap_pass *pass, unsigned eyes,
-                         VkCommandBuffer cmd) {
+// Of whose buffers the next draws are: the scene's, or the frame's own.
+static void bind_meshes(const struct ap_renderer *r, const struct slot *slot, bool refined,
+                        VkCommandBuffer cmd) {
     VkDeviceSize zero = 0;
-    int bound = -1;
-    if (r->list.count == 0)
-        return;
-    vkCmdBindVertexBuffers(cmd, 0, 1, &r->meshes.vertices.buffer, &zero);
-    vkCmdBindIndexBuffer(cmd, r->meshes.indices.buffer, 0, VK_INDEX_TYPE_UINT32);
+    vkCmdBindVertexBuffers(cmd, 0, 1, refined ? &slot->vertices.buffer : &r->meshes.vertices.buffer,
+                           &zero);
+    vkCmdBindIndexBuffer(cmd, refined ? slot->indices.buffer : r->meshes.indices.buffer, 0,
+                         VK_INDEX_TYPE_UINT32);
+}
+
+// Runs of equal meshes become one instanced draw.
+static void record_draws(const struct ap_renderer *r, const struct ap_pass *pass,
+                         const struct slot *slot, unsigned eyes) {
+    VkCommandBuffer cmd = slot->cmd;
+    int bound = -1, buffers = -1;
     for (size_t i = 0, next; i < r->list.count; i = next) {
-        const struct ap_draw_item *item = &r->list.items[i];
+        const struct ap_draw_item *item = &r->list.items[i], *other = item + 1;
         next = i + 1;
         if (!(item->eyes & eyes))
             continue;
-        while (next < r->list.count && r->list.items[next].mesh == item->mesh &&
-               r->list.items[next].pipeline == item->pipeline && (r->list.items[next].eyes & eyes))
+        for (; next < r->list.count && other->mesh.first_index == item->mesh.first_index &&
+               other->refined == item->refined && other->pipeline == item->pipeline &&
+               (other->eyes & eyes);
+             other++)
             next++;
         if (bound != (int)item->pipeline)
             vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, pass->pipeline[item->pipeline]);
+        if (buffers != item->refined)
+            bind_meshes(r, slot, item->refined, cmd);
         bound = (int)item->pipeline;
-        vkCmdDrawIndexed(cmd, item->mesh->index_count, (uint32_t)(next - i),
-                         item->mesh->first_index, (int32_t)item->mesh->first_vertex, (uint32_t)i);
+        buffers = item->refined;
+        vkCmdDrawIndexed(cmd, item->mesh.index_count, (uint32_t)(next - i), item->mesh.first_index,
+                         (int32_t)item->mesh.first_vertex, (uint32_t)i);
     }
 }
 
@@ -318,24 +351,29 @@ static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
     for (int i = 0; i < 3 && !shut; i++)
         clear[0].color.float32[i] = ap_linear_color(back[i]);
     clear[0].color.float32[3] = 1;
-    VkRenderPassBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
-                                   .renderPass = pass->render_pass,
-                                   .framebuffer = pass->framebuffer,
-                                   .renderArea = {{0, 0}, {r->params.width, r->params.height}},
-                                   .clearValueCount = 2,
-                                   .pClearValues = clear};
+    VkRenderPassBeginInfo begin = {
+        .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+        .renderPass = pass->render_pass,
+        .framebuffer = pass->framebuffer,
+        .renderArea = {{0, 0}, {r->across * r->params.width, r->across * r->params.height}},
+        .clearValueCount = 2,
+        .pClearValues = clear};
     vkCmdBeginRenderPass(slot->cmd, &begin, VK_SUBPASS_CONTENTS_INLINE);
     vkCmdBindDescriptorSets(slot->cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, r->layout, 0, 1, &slot->set,
                             0, NULL);
     vkCmdPushConstants(slot->cmd, r->layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof first_eye,
                        &first_eye);
-    record_draws(r, pass, pass->views == 2 ? 3 : 1u << first_eye, slot->cmd);
+    record_draws(r, pass, slot, pass->views == 2 ? 3 : 1u << first_eye);
     vkCmdEndRenderPass(slot->cmd);
 }
 
 static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r, bool both) {
-    struct ap_pass_params params = {r->params.color_format, r->params.width, r->params.height,
-                                    both ? 2 : 1,           r->samples,      r->layout};
+    struct ap_pass_params params = {r->params.color_format,
+                                    r->across * r->params.width,
+                                    r->across * r->params.height,
+                                    both ? 2 : 1,
+                                    r->samples,
+                                    r->layout};
     if (r->pass[both].render_pass)
         return AP_OK;
     enum ap_status st = ap_pass_create(err, r->gpu, &params, &r->pass[both]);
@@ -366,6 +404,33 @@ static enum ap_status record(struct ap_error *err, struct ap_renderer *r, unsign
     return ap_vk_check(err, vkEndCommandBuffer(slot->cmd), "vkEndCommandBuffer");
 }
 
+static enum ap_status make_room(struct ap_error *err, const struct ap_renderer *r, size_t size,
+                                VkBufferUsageFlags usage, struct ap_gpu_buffer *buffer) {
+    if (size <= buffer->size)
+        return AP_OK;
+    ap_gpu_buffer_destroy(r->gpu, buffer);
+    return ap_gpu_buffer_create(err, r->gpu, size + size / 2, usage, true, buffer);
+}
+
+// The frame's own meshes, to where the GPU reads them; the slot is not in use.
+static enum ap_status take_refined(struct ap_error *err, const struct ap_renderer *r,
+                                   struct slot *slot) {
+    const struct ap_mesh_data *data = &r->list.refined;
+    size_t vertices = data->vertex_count * sizeof *data->vertices,
+           indices = data->index_count * sizeof *data->indices;
+    if (indices == 0)
+        return AP_OK;
+    enum ap_status st =
+        make_room(err, r, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, &slot->vertices);
+    if (st == AP_OK)
+        st = make_room(err, r, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, &slot->indices);
+    if (st == AP_OK) {
+        memcpy(slot->vertices.mapped, data->vertices, vertices);
+        memcpy(slot->indices.mapped, data->indices, indices);
+    }
+    return st;
+}
+
 enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
                                 const struct ap_frame_input *input, const struct ap_target *target,
                                 struct ap_frame_stats *stats) {
@@ -377,7 +442,17 @@ enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
 
     const struct ap_viewer *viewer = &input->viewer;
     struct ap_eyes eyes = ap_eyes_of(viewer, r->params.width, r->params.height);
-    ap_draw_list_fill(r->scene, &r->meshes, input, &eyes, r->params.no_cull, &r->list);
+    const struct ap_list_params what = {.scene = r->scene,
+                                        .meshes = &r->meshes,
+                                        .input = input,
+                                        .eyes = &eyes,
+                                        .max_error_px = r->max_error_px,
+                                        .no_cull = r->params.no_cull};
+    st = ap_draw_list_fill(err, &what, &r->list);
+    if (st == AP_OK)
+        st = take_refined(err, r, slot);
+    if (st != AP_OK)
+        return st;
     struct ap_gpu_frame frame = ap_frame_of(viewer);
     ap_frame_light(viewer, &eyes, r->scene->lamp_reach_m, r->scene->lamp_radius_m, &frame);
     ap_frame_depth(viewer, &eyes, &r->list.range, &frame);

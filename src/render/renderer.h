@@ -18,7 +18,8 @@ struct ap_renderer;
 struct ap_renderer_params {
     VkFormat color_format;  // an sRGB format, or the result is written linear
     uint32_t width, height; // of one eye; both eyes are drawn at one size
-    uint32_t samples;       // 0: 4
+    uint32_t samples;       // a pixel: 4 (0), 16 or 64
+    double max_error_px;    // 0: 0.25; how far from its true direction a surface may be seen
     // The scene's texts as coverage, 0…255: a square of decal_px for each of its decals, one after
     // the other. Copied. NULL: balls bear none.
     const uint8_t *decals;
@@ -55,6 +56,9 @@ struct ap_eye_stats {
 };
 struct ap_frame_stats {
     struct ap_eye_stats eye[2];
+    uint32_t refined; // parts·images whose triangles were made for this frame (src/render/refine.h)
+    uint32_t beyond_bound; // parts·images that even the finest triangles show farther off than
+                           // max_error_px
 };
 
 // Draws into two images (or two layers of one): image + array layer per eye, created with

@@ -7,7 +7,7 @@
 #include "src/render/pipeline.h"
 
 struct push {
-    int32_t layer, samples;
+    int32_t layer, samples, across;
 };
 
 static enum ap_status create_render_pass(struct ap_error *err, const struct ap_gpu *gpu,
@@ -122,8 +122,10 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
 enum ap_status ap_resolve_create(struct ap_error *err, const struct ap_gpu *gpu,
                                  const struct ap_resolve_params *params,
                                  struct ap_resolve *resolve) {
-    struct ap_resolve made = {
-        .width = params->width, .height = params->height, .samples = params->samples};
+    struct ap_resolve made = {.width = params->width,
+                              .height = params->height,
+                              .samples = params->samples,
+                              .across = params->across};
     enum ap_status st = create_render_pass(err, gpu, params->color_format, &made.render_pass);
     if (st == AP_OK)
         st = create_layouts(err, gpu, &made);
@@ -162,7 +164,7 @@ void ap_resolve_read(const struct ap_gpu *gpu, const struct ap_resolve *resolve,
 
 void ap_resolve_record(const struct ap_resolve *resolve, VkCommandBuffer cmd, int which,
                        int32_t layer, VkFramebuffer framebuffer) {
-    struct push push = {layer, resolve->samples};
+    struct push push = {layer, resolve->samples, resolve->across};
     VkRenderPassBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                    .renderPass = resolve->render_pass,
                                    .framebuffer = framebuffer,

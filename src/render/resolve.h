@@ -15,13 +15,14 @@ struct ap_resolve {
     VkDescriptorPool descriptors;
     VkDescriptorSet set[2]; // by what is read: the image of one eye, or of both
     uint32_t width, height;
-    int32_t samples;
+    int32_t samples, across;
 };
 
 struct ap_resolve_params {
     VkFormat color_format;
-    uint32_t width, height;
-    int32_t samples;
+    uint32_t width, height; // of the target
+    int32_t samples,
+        across; // of a pixel that is read; such pixels to each side of one of the target's
 };
 enum ap_status ap_resolve_create(struct ap_error *err, const struct ap_gpu *gpu,
                                  const struct ap_resolve_params *params,

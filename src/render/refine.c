@@ -1,0 +1,405 @@
+#include "src/render/refine.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "src/geom/table.h"
+#include "src/render/refine_surface.h"
+
+static const double PI = 3.14159265358979323846;
+static const double SHARE = 0.75; // of the bound: what an edge's middle may use up
+// What lies outside a plane of a frustum by so much of the triangle's longest edge cannot bulge
+// into the picture.
+static const double BULGE = 0.6;
+// How far an edge's middle may be from its distance, of that distance: part_guard.frag drops what
+// is 5 % off.
+static const double DEPTH_SHARE = 0.02;
+enum { NOT_CUT = UINT32_MAX, AROUND = 8, DEEPEST = 60 };
+
+struct ap_refine_node {
+    struct ap_surface_point point;
+};
+
+struct ap_refine_edge {
+    uint64_t key; // both ends; 0: free
+    uint32_t middle;
+};
+
+struct triangle {
+    uint32_t corner[3], depth;
+};
+
+struct work {
+    struct ap_error *err;
+    struct ap_refiner *r;
+    const struct ap_refine_params *params;
+    struct ap_surface surface;
+    double shortest; // over rho: edges up to this are not cut
+    struct ap_mesh_data *data;
+    struct triangle *stack;
+    size_t stack_count, stack_space, triangles;
+    bool cut_all; // edges are cut unasked
+    bool held;
+    enum ap_status st;
+};
+
+void ap_refiner_finish(struct ap_refiner *r) {
+    free(r->nodes);
+    free(r->edges);
+    memset(r, 0, sizeof *r);
+}
+
+static bool grow(struct work *w, void **array, size_t *space, size_t count, size_t size) {
+    if (count < *space)
+        return true;
+    size_t more = *space ? 2 * *space : 256;
+    void *grown = realloc(*array, more * size);
+    if (!grown) {
+        w->st = ap_fail(w->err, AP_ENVIRONMENT, "no memory for %zu vertices", more);
+        return false;
+    }
+    *array = grown;
+    *space = more;
+    return true;
+}
+
+static uint32_t add_node(struct work *w, struct ap_surface_point point) {
+    if (!grow(w, (void **)&w->r->nodes, &w->r->node_space, w->r->node_count, sizeof *w->r->nodes))
+        return 0;
+    w->r->nodes[w->r->node_count].point = point;
+    return (uint32_t)w->r->node_count++;
+}
+
+static void push(struct work *w, uint32_t depth, uint32_t a, uint32_t b, uint32_t c) {
+    if (grow(w, (void **)&w->stack, &w->stack_space, w->stack_count, sizeof *w->stack))
+        w->stack[w->stack_count++] = (struct triangle){{a, b, c}, depth};
+}
+
+// --- edges
+
+static size_t slot_of(const struct ap_refiner *r, uint64_t key) {
+    size_t i = (size_t)(key * 0x9e3779b97f4a7c15u >> 20) & (r->edge_space - 1);
+    while (r->edges[i].key && r->edges[i].key != key)
+        i = (i + 1) & (r->edge_space - 1);
+    return i;
+}
+
+static bool rehash(struct work *w) {
+    struct ap_refiner *r = w->r;
+    struct ap_refine_edge *old = r->edges;
+    size_t count = r->edge_space, space = count ? 2 * count : 1024;
+    struct ap_refine_edge *made = calloc(space, sizeof *made);
+    if (!made) {
+        w->st = ap_fail(w->err, AP_ENVIRONMENT, "no memory for %zu edges", space);
+        return false;
+    }
+    r->edges = made;
+    r->edge_space = space;
+    for (size_t i = 0; i < count; i++)
+        if (old[i].key)
+            made[slot_of(r, old[i].key)] = old[i];
+    free(old);
+    return true;
+}
+
+static double chord(struct ap_vec4 p, struct ap_vec4 q) {
+    return hypot(hypot(p.x - q.x, p.y - q.y), hypot(p.z - q.z, p.w - q.w));
+}
+
+// Whether something of the edge may be outside the forbidden millimetre: there alone it matters.
+static bool matters(const struct work *w, const struct ap_surface_point *a,
+                    const struct ap_surface_point *b, const struct ap_surface_point *m) {
+    const struct ap_surface_point *points[3] = {a, m, b};
+    double rho = w->surface.space.rho_m;
+    for (int i = 0; i < 3; i++)
+        for (int e = 0; e < 2; e++) {
+            double d = ap_vec3_length(points[i]->seen[e]);
+            bool antipode = w->surface.mode != AP_VIEW_TOURIST && w->surface.space.kappa > 0 &&
+                            fabs(ap_vec3_length(points[i]->tangent_m) - PI * rho) < AP_NEAR_M;
+            if (d >= AP_NEAR_M && !antipode)
+                return true;
+        }
+    return false;
+}
+
+// An edge as long as it is far is not near enough to straight for its middle to speak for it.
+static bool too_long(const struct work *w, const struct ap_surface_point *a,
+                     const struct ap_surface_point *b, const struct ap_surface_point *m) {
+    const struct ap_surface *s = &w->surface;
+    bool sheet = s->part->kind == AP_PART_POLYGON, born = s->mode == AP_VIEW_BORN;
+    if (s->mode == AP_VIEW_TOURIST || (sheet && s->space.kappa == 0 && !born))
+        return false;
+    // Near an antipode the surface may bulge straight away from both eyes without end.
+    struct ap_vec3 straight = ap_vec3_scale(0.5, ap_vec3_add(a->tangent_m, b->tangent_m));
+    if ((born || s->space.kappa > 0) && ap_vec3_length(ap_vec3_sub(m->tangent_m, straight)) >
+                                            DEPTH_SHARE * ap_vec3_length(m->tangent_m))
+        return true;
+    for (int e = 0; e < 2; e++) {
+        struct ap_vec3 p = born ? a->tangent_m : a->seen[e], q = born ? b->tangent_m : b->seen[e],
+                       r = born ? m->tangent_m : m->seen[e];
+        double l = ap_vec3_length(ap_vec3_sub(p, q));
+        double d = fmin(fmin(ap_vec3_length(p), ap_vec3_length(q)), ap_vec3_length(r));
+        if (l > d && l > AP_NEAR_M)
+            return true;
+    }
+    return false;
+}
+
+// Whether the straight edge from a to b is close enough to the surface; m: the middle.
+static bool close_enough(const struct work *w, const struct ap_surface_point *a,
+                         const struct ap_surface_point *b, const struct ap_surface_point *m) {
+    const struct ap_surface *s = &w->surface;
+    const struct ap_eyes *eyes = w->params->eyes;
+    double bound = SHARE * w->params->max_error_px;
+    if (too_long(w, a, b, m) || !(ap_surface_error_px(s, eyes, a, b, m) <= bound))
+        return false;
+    if (s->part->kind != AP_PART_STICK)
+        return true;
+    // What runs around an axis as well as along it is seen as an S, whose middle says nothing.
+    struct ap_surface_point first = ap_surface_middle(s, a, m), last = ap_surface_middle(s, m, b);
+    return ap_surface_error_px(s, eyes, a, b, &first) <= bound &&
+           ap_surface_error_px(s, eyes, a, b, &last) <= bound;
+}
+
+static bool cut(struct work *w, const struct ap_surface_point *a, const struct ap_surface_point *b,
+                const struct ap_surface_point *m) {
+    if (w->cut_all)
+        return true;
+    if (close_enough(w, a, b, m))
+        return false;
+    if (chord(a->p, b->p) > w->shortest)
+        return true;
+    w->held &= !matters(w, a, b, m);
+    return false;
+}
+
+// The node in the middle of an edge that is cut, else NOT_CUT. Every edge is judged once.
+static uint32_t middle_of(struct work *w, uint32_t i, uint32_t j) {
+    struct ap_refiner *r = w->r;
+    uint32_t low = i < j ? i : j, high = i < j ? j : i;
+    if (3 * r->edge_count >= 2 * r->edge_space && !rehash(w))
+        return NOT_CUT;
+    uint64_t key = (uint64_t)high << 32 | low; // high > 0, so never 0
+    size_t slot = slot_of(r, key);
+    if (r->edges[slot].key)
+        return r->edges[slot].middle;
+    const struct ap_surface_point *a = &r->nodes[low].point, *b = &r->nodes[high].point;
+    struct ap_surface_point m = ap_surface_middle(&w->surface, a, b);
+    uint32_t middle = cut(w, a, b, &m) ? add_node(w, m) : NOT_CUT;
+    r->edges[slot] = (struct ap_refine_edge){key, middle};
+    r->edge_count++;
+    return middle;
+}
+
+// --- triangles
+
+// Outside one of a frustum's planes, even where the surface bulges, for each eye.
+static bool out_of_sight(const struct work *w, const struct triangle *t) {
+    const struct ap_surface_point *p[3];
+    if (w->surface.mode != AP_VIEW_NATIVE)
+        return false;
+    for (int i = 0; i < 3; i++)
+        p[i] = &w->r->nodes[t->corner[i]].point;
+    double longest = 0;
+    for (int i = 0; i < 3; i++)
+        longest =
+            fmax(longest, ap_vec3_length(ap_vec3_sub(p[i]->tangent_m, p[(i + 1) % 3]->tangent_m)));
+    if (longest > w->surface.space.rho_m / 2)
+        return false;
+    for (int e = 0; e < 2; e++) {
+        const struct ap_frustum *f = &w->params->viewer->eye[e].frustum;
+        const struct ap_vec3 plane[4] = {
+            {1, 0, f->left}, {-1, 0, -f->right}, {0, 1, f->down}, {0, -1, -f->up}};
+        bool out = false;
+        for (int k = 0; k < 4 && !out; k++) {
+            struct ap_vec3 n = ap_vec3_normalize(plane[k]);
+            double most = -INFINITY;
+            for (int i = 0; i < 3; i++)
+                most = fmax(most, ap_vec3_dot(n, p[i]->seen[e]));
+            out = most < -BULGE * longest;
+        }
+        if (!out)
+            return false;
+    }
+    return true;
+}
+
+// Turned away from both eyes by more than it spans about the middle of what it is of, so that
+// nothing of what it stands for can show.
+static bool turned_away(const struct work *w, const struct triangle *t) {
+    const struct ap_surface_point *p[3];
+    // s3 is stretched across the line of sight, so that angles there say nothing about a surface's.
+    if (!w->params->closed || w->surface.space.kappa > 0 || w->surface.mode == AP_VIEW_BORN)
+        return false;
+    double span = 0;
+    for (int i = 0; i < 3; i++)
+        p[i] = &w->r->nodes[t->corner[i]].point;
+    for (int i = 0; i < 3; i++)
+        span = fmax(span, ap_vec3_length(ap_vec3_sub(p[i]->from, p[(i + 1) % 3]->from)));
+    for (int e = 0; e < 2; e++) {
+        struct ap_vec3 a = p[0]->seen[e], b = p[1]->seen[e], c = p[2]->seen[e];
+        struct ap_vec3 n = ap_vec3_cross(ap_vec3_sub(b, a), ap_vec3_sub(c, a));
+        if (!(ap_vec3_dot(n, a) > (0.2 + span) * ap_vec3_length(n) * ap_vec3_length(a)))
+            return false;
+    }
+    return true;
+}
+
+static void emit(struct work *w, const struct triangle *t) {
+    w->triangles++;
+    w->st = ap_mesh_data_triangle(w->err, w->data, t->corner[0], t->corner[1], t->corner[2]);
+}
+
+// Rotated so that the cuts come first: one of three ways.
+static void split(struct work *w, const struct triangle *t, const uint32_t m[3]) {
+    int cuts = (m[0] != NOT_CUT) + (m[1] != NOT_CUT) + (m[2] != NOT_CUT), k = 0;
+    // With one cut edge 0 is it; with two edge 0 is the one that is whole.
+    while (cuts < 3 && (m[k] != NOT_CUT) != (cuts == 1))
+        k++;
+    uint32_t a = t->corner[k], b = t->corner[(k + 1) % 3], c = t->corner[(k + 2) % 3];
+    uint32_t ab = m[k], bc = m[(k + 1) % 3], ca = m[(k + 2) % 3];
+    if (cuts == 1) {
+        push(w, t->depth + 1, a, ab, c);
+        push(w, t->depth + 1, ab, b, c);
+    } else if (cuts == 2) {
+        push(w, t->depth + 1, bc, c, ca);
+        push(w, t->depth + 1, a, b, bc);
+        push(w, t->depth + 1, a, bc, ca);
+    } else {
+        push(w, t->depth + 1, a, ab, ca);
+        push(w, t->depth + 1, ab, b, bc);
+        push(w, t->depth + 1, ca, bc, c);
+        push(w, t->depth + 1, ab, bc, ca);
+    }
+}
+
+static void refine_all(struct work *w) {
+    while (w->st == AP_OK && w->stack_count > 0) {
+        struct triangle t = w->stack[--w->stack_count];
+        uint32_t m[3] = {NOT_CUT, NOT_CUT, NOT_CUT};
+        // Whatever is waiting becomes a triangle too.
+        if (w->triangles + w->stack_count >= w->params->triangles_max || t.depth > DEEPEST)
+            w->held = false;
+        else if (!out_of_sight(w, &t) && !turned_away(w, &t))
+            for (int i = 0; i < 3; i++)
+                m[i] = middle_of(w, t.corner[i], t.corner[(i + 1) % 3]);
+        if (m[0] == NOT_CUT && m[1] == NOT_CUT && m[2] == NOT_CUT)
+            emit(w, &t);
+        else
+            split(w, &t, m);
+    }
+}
+
+// --- what is refined
+
+static uint32_t node_at(struct work *w, double along, struct ap_vec3 from) {
+    struct ap_surface_point point = {.along = along, .from = from};
+    ap_surface_see(&w->surface, &point);
+    return add_node(w, point);
+}
+
+static void begin_ball(struct work *w) {
+    for (int i = 0; i < 12; i++)
+        node_at(w, 0, ap_icosahedron_corner(i));
+    // Cut once everywhere: from the icosahedron itself edges could cut off a whole side.
+    struct triangle first[20];
+    for (int f = 0; f < 20; f++) {
+        int c[3];
+        ap_icosahedron_face(f, c);
+        first[f] = (struct triangle){{(uint32_t)c[0], (uint32_t)c[1], (uint32_t)c[2]}, 0};
+    }
+    w->cut_all = true;
+    for (int f = 0; f < 20 && w->st == AP_OK; f++) {
+        uint32_t m[3];
+        for (int i = 0; i < 3; i++)
+            m[i] = middle_of(w, first[f].corner[i], first[f].corner[(i + 1) % 3]);
+        if (w->st == AP_OK)
+            split(w, &first[f], m);
+    }
+    w->cut_all = false;
+}
+
+static void begin_stick(struct work *w) {
+    double half = w->surface.part->length_m / w->surface.space.rho_m / 2;
+    static const double UP[6] = {-1, -0.5, 0, 0, 0.5, 1}; // of a right angle
+    for (int ring = 0; ring < 6; ring++)
+        for (int i = 0; i <= AROUND; i++) {
+            double turn = 2 * PI * (i % AROUND) / AROUND, up = PI / 2 * UP[ring];
+            double c = fabs(UP[ring]) < 1 ? cos(up) : 0;
+            node_at(w, ring < 3 ? -half : half,
+                    (struct ap_vec3){c * cos(turn), c * sin(turn), sin(up)});
+        }
+    for (uint32_t ring = 0; ring < 5; ring++)
+        for (uint32_t i = 0; i < AROUND; i++) {
+            uint32_t a = ring * (AROUND + 1) + i, b = a + AROUND + 1;
+            push(w, 0, a, a + 1, b + 1);
+            push(w, 0, a, b + 1, b);
+        }
+}
+
+static void begin_polygon(struct work *w) {
+    const struct ap_part *part = w->surface.part;
+    struct ap_space space = w->surface.space;
+    double circum, in;
+    w->st = ap_regular_polygon(w->err, space, part->sides, part->edge_m, &circum, &in);
+    if (w->st != AP_OK)
+        return;
+    double s = ap_space_sin(space, circum / space.rho_m),
+           c = ap_space_cos(space, circum / space.rho_m);
+    for (int i = -1; i < part->sides && w->st == AP_OK; i++) {
+        struct ap_surface_point point = {.p = {0, 0, 0, 1}};
+        double a = PI / part->sides * (2 * i + 1);
+        if (i >= 0)
+            point.p = (struct ap_vec4){-s * sin(a), 0, -s * cos(a), c};
+        ap_surface_see(&w->surface, &point);
+        add_node(w, point);
+    }
+    for (int i = 0; i < part->sides; i++)
+        push(w, 0, 0, (uint32_t)(i == 0 ? part->sides : i), (uint32_t)i + 1);
+}
+
+static void write_nodes(struct work *w) {
+    for (size_t i = 0; w->st == AP_OK && i < w->r->node_count; i++) {
+        const struct ap_surface_point *point = &w->r->nodes[i].point;
+        // A ball's meshes hold unit vectors, of which the shader makes points.
+        struct ap_vec4 p = w->surface.part->kind == AP_PART_BALL
+                               ? (struct ap_vec4){point->from.x, point->from.y, point->from.z, 0}
+                               : point->p;
+        w->st = ap_mesh_data_vertex(w->err, w->data, p, ap_surface_normal(&w->surface, point));
+    }
+}
+
+enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
+                              const struct ap_refine_params *params, const struct ap_part *part,
+                              struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held) {
+    struct work w = {.err = err, .r = r, .params = params, .data = data, .held = true, .st = AP_OK};
+    w.surface =
+        ap_surface_of(params->viewer, params->eyes, part, params->nose_from_part, params->image);
+    double rho = params->viewer->space.rho_m;
+    w.shortest = fmin(AP_NEAR_M / 3 / rho, 1e-3);
+    double radius = fmax(part->radius_m, part->radius2_m) / rho;
+    if (part->kind != AP_PART_POLYGON)
+        w.shortest = fmin(w.shortest, 0.005 * radius);
+    r->node_count = r->edge_count = 0;
+    if (r->edges)
+        memset(r->edges, 0, r->edge_space * sizeof *r->edges);
+    struct ap_mesh made = ap_mesh_data_begin(data);
+    if (part->kind == AP_PART_BALL)
+        begin_ball(&w);
+    else if (part->kind == AP_PART_STICK)
+        begin_stick(&w);
+    else if (part->kind == AP_PART_POLYGON)
+        begin_polygon(&w);
+    if (w.st == AP_OK)
+        refine_all(&w);
+    if (w.st == AP_OK)
+        write_nodes(&w);
+    free(w.stack);
+    if (w.st == AP_OK) {
+        ap_mesh_data_end(data, &made);
+        *mesh = made;
+        *held = w.held;
+    }
+    return w.st;
+}

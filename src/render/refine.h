@@ -1,0 +1,40 @@
+#ifndef ANTIPODE_RENDER_REFINE_H
+#define ANTIPODE_RENDER_REFINE_H
+
+#include "src/render/frame.h"
+#include "src/render/mesh.h"
+
+// Triangles for one part as two eyes see it from one place: an edge is cut in two where the
+// straight line that the GPU will draw for it is seen farther than the bound from the surface it
+// stands for. For what no mesh made ahead holds the bound with (docs/rendering.md). CPU, double.
+
+struct ap_refine_params {
+    const struct ap_viewer *viewer;
+    const struct ap_eyes *eyes;
+    struct ap_iso nose_from_part;
+    int image;
+    double max_error_px; // of either eye's picture
+    size_t triangles_max;
+    bool closed; // back faces are not drawn: they need not be fine
+};
+
+// Nodes and the memory of which edges were cut, kept from part to part.
+struct ap_refiner {
+    struct ap_refine_node *nodes;
+    struct ap_refine_edge *edges; // open addressing, a power of two
+    size_t node_count, node_space, edge_count, edge_space;
+};
+void ap_refiner_finish(struct ap_refiner *refiner);
+
+// Appends the mesh of a ball, a stick or a polygon to data. *held: false where triangles_max was
+// reached, or edges of less than a third of AP_NEAR_M (or 1e-3 rho) still miss the bound outside
+// the forbidden millimetre; the mesh is whole all the same. Edges are cut by what their ends are
+// alone, so neighbours share their cuts and nothing gapes. AP_ENVIRONMENT: no memory.
+//
+// The bound is on the middle of each edge, tightened by 3/4: inside a triangle a quadratic error is
+// at most 4/3 of its edges' largest. Worst measured over random places: tests/render/test_refine.c.
+enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *refiner,
+                              const struct ap_refine_params *params, const struct ap_part *part,
+                              struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held);
+
+#endif

@@ -1,0 +1,151 @@
+#include "src/render/refine_surface.h"
+
+#include <math.h>
+
+struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                                const struct ap_part *part, struct ap_iso nose_from_part,
+                                int image) {
+    struct ap_surface s = {.part = part,
+                           .space = viewer->space,
+                           .mode = viewer->mode,
+                           .born = ap_viewer_born(viewer),
+                           .image = image,
+                           .nose_from_part = nose_from_part};
+    for (int e = 0; e < 2; e++) {
+        s.eye_from_part[e] = eyes->eye_from_nose[e];
+        if (s.mode == AP_VIEW_TOURIST)
+            s.eye_from_part[e] = ap_iso_mul(eyes->eye_from_nose[e], nose_from_part);
+        s.eye_from_view[e] = ap_pose_inverse(viewer->eye[e].view_from_eye);
+    }
+    return s;
+}
+
+// The radius of a ball, or of a stick at the place `at` along its axis, over rho.
+static double stick_radius(const struct ap_surface *s, double at) {
+    if (s->part->kind == AP_PART_BALL)
+        return s->part->radius_m / s->space.rho_m;
+    double t = at * s->space.rho_m / s->part->length_m + 0.5;
+    t = fmin(fmax(t, 0), 1);
+    return (s->part->radius_m + t * (s->part->radius2_m - s->part->radius_m)) / s->space.rho_m;
+}
+
+// A point as far as `across` is the sine and `home` the cosine of, from the axis; with those turned
+// by a quarter the normal there.
+static struct ap_vec4 around_axis(struct ap_space space, const struct ap_surface_point *point,
+                                  double across, double home) {
+    double ss = ap_space_sin(space, point->along), cs = ap_space_cos(space, point->along);
+    struct ap_vec3 u = ap_vec3_scale(across, point->from);
+    return (struct ap_vec4){u.x, u.y, cs * u.z + ss * home, cs * home - space.kappa * ss * u.z};
+}
+
+struct ap_vec4 ap_surface_normal(const struct ap_surface *s, const struct ap_surface_point *point) {
+    double r = stick_radius(s, point->along);
+    if (s->part->kind == AP_PART_BALL)
+        return (struct ap_vec4){point->from.x, point->from.y, point->from.z, 0};
+    if (s->part->kind == AP_PART_STICK)
+        return around_axis(s->space, point, ap_space_cos(s->space, r),
+                           -s->space.kappa * ap_space_sin(s->space, r));
+    return (struct ap_vec4){0, 1, 0, 0};
+}
+
+void ap_surface_see(const struct ap_surface *s, struct ap_surface_point *point) {
+    double rho = s->space.rho_m;
+    if (s->part->kind != AP_PART_POLYGON) {
+        double r = stick_radius(s, point->along);
+        point->p =
+            around_axis(s->space, point, ap_space_sin(s->space, r), ap_space_cos(s->space, r));
+    }
+    struct ap_vec4 p_m = {rho * point->p.x, rho * point->p.y, rho * point->p.z, rho * point->p.w};
+    if (s->mode == AP_VIEW_TOURIST) {
+        double sign = s->image ? -1 : 1;
+        for (int e = 0; e < 2; e++) {
+            struct ap_vec4 q = ap_iso_apply(&s->eye_from_part[e], p_m);
+            point->seen[e] = ap_vec3_scale(sign, (struct ap_vec3){q.x, q.y, q.z});
+        }
+        return;
+    }
+    point->tangent_m = ap_log_unchecked(s->space, ap_iso_apply(&s->nose_from_part, p_m), s->image);
+    if (s->mode == AP_VIEW_BORN) {
+        struct ap_born_point born =
+            ap_born_from_tangent(s->born, (struct ap_tangent_point){point->tangent_m});
+        for (int e = 0; e < 2; e++) {
+            struct ap_vec4 q = ap_iso_apply(&s->eye_from_part[e], born.x);
+            point->seen[e] = ap_vec3_scale(born.behind ? -1 : 1, (struct ap_vec3){q.x, q.y, q.z});
+        }
+        return;
+    }
+    for (int e = 0; e < 2; e++)
+        point->seen[e] = ap_pose_apply(s->eye_from_view[e], point->tangent_m);
+}
+
+struct ap_surface_point ap_surface_middle(const struct ap_surface *s,
+                                          const struct ap_surface_point *a,
+                                          const struct ap_surface_point *b) {
+    struct ap_surface_point m = {0};
+    if (s->part->kind != AP_PART_POLYGON) {
+        m.along = (a->along + b->along) / 2;
+        m.from = ap_vec3_normalize(ap_vec3_add(a->from, b->from));
+    } else {
+        struct ap_vec4 p = {a->p.x + b->p.x, 0, a->p.z + b->p.z, a->p.w + b->p.w};
+        double r2 = p.x * p.x + p.z * p.z;
+        double n = s->space.kappa > 0   ? sqrt(p.w * p.w + r2)
+                   : s->space.kappa < 0 ? sqrt(p.w * p.w - r2)
+                                        : p.w;
+        m.p = (struct ap_vec4){p.x / n, 0, p.z / n, p.w / n};
+    }
+    ap_surface_see(s, &m);
+    return m;
+}
+
+// The direction m against the nearest of those of the straight line from a to b; radians, as
+// chords.
+static double off_line(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 m) {
+    struct ap_vec3 p = ap_vec3_normalize(a), q = ap_vec3_normalize(b), u = ap_vec3_normalize(m);
+    struct ap_vec3 along = ap_vec3_sub(q, p);
+    double square = ap_vec3_dot(along, along);
+    double t = square > 0 ? ap_vec3_dot(ap_vec3_sub(u, p), along) / square : 0;
+    struct ap_vec3 c = ap_vec3_add(p, ap_vec3_scale(fmin(fmax(t, 0), 1), along));
+    return ap_vec3_length(ap_vec3_sub(u, ap_vec3_normalize(c)));
+}
+
+// The point of the straight edge that the nose sees in m's direction: that is what a geodesic's
+// point is moved to. The edge's middle where the nose has no direction.
+static struct ap_vec3 radial(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 m) {
+    struct ap_vec3 k = ap_vec3_cross(a, b), along = ap_vec3_sub(b, a);
+    double below = ap_vec3_dot(ap_vec3_cross(along, m), k);
+    double t = below != 0 ? -ap_vec3_dot(ap_vec3_cross(a, m), k) / below : 0.5;
+    if (!(ap_vec3_dot(k, k) > 1e-24 * ap_vec3_dot(a, a) * ap_vec3_dot(b, b)))
+        return m; // the geodesic goes through the nose: it is straight
+    return ap_vec3_add(a, ap_vec3_scale(fmin(fmax(t, 0), 1), along));
+}
+
+// Pixels a radian at this place of the picture, at most those at its corner.
+static double pixels_at(const struct ap_eyes *eyes, int e, struct ap_vec3 seen) {
+    double across = seen.x * seen.x + seen.y * seen.y, ahead = seen.z * seen.z;
+    double corner = eyes->slope[e] * eyes->slope[e];
+    double slope2 = across < corner * ahead ? across / ahead : corner;
+    return eyes->pixels[e] * (1 + slope2);
+}
+
+double ap_surface_error_px(const struct ap_surface *s, const struct ap_eyes *eyes,
+                           const struct ap_surface_point *a, const struct ap_surface_point *b,
+                           const struct ap_surface_point *m) {
+    double worst = 0;
+    bool native = s->mode == AP_VIEW_NATIVE, sheet = s->part->kind == AP_PART_POLYGON;
+    if (sheet && (s->mode == AP_VIEW_TOURIST || (native && s->space.kappa == 0)))
+        return 0; // geodesics are straight there
+    sheet &= native;
+    struct ap_vec3 flat = sheet ? radial(a->tangent_m, b->tangent_m, m->tangent_m) : m->tangent_m;
+    for (int e = 0; e < 2; e++) {
+        double angle;
+        if (sheet) {
+            struct ap_vec3 c = ap_pose_apply(s->eye_from_view[e], flat), t = m->seen[e];
+            double off = ap_vec3_length(ap_vec3_sub(c, t)), d = ap_vec3_length(t);
+            angle = atan2(ap_vec3_length(ap_vec3_cross(c, t)), ap_vec3_dot(c, t)) + off / d / 4;
+        } else {
+            angle = off_line(a->seen[e], b->seen[e], m->seen[e]);
+        }
+        worst = fmax(worst, angle * pixels_at(eyes, e, m->seen[e]));
+    }
+    return worst;
+}

@@ -1,0 +1,53 @@
+#ifndef ANTIPODE_RENDER_REFINE_SURFACE_H
+#define ANTIPODE_RENDER_REFINE_SURFACE_H
+
+#include "src/render/frame.h"
+#include "src/scene/scene.h"
+
+// The surface of a part by coordinates of its own, and where two eyes see a point of it.
+
+// Of a ball and a stick: the place along the axis over rho (a ball's is 0), and the unit vector
+// from there, across a stick but in its caps. Polygons need neither.
+struct ap_surface_point {
+    double along;
+    struct ap_vec3 from;
+    struct ap_vec4 p;         // in the part's coordinates, over rho
+    struct ap_vec3 tangent_m; // relative to the nose; not in tourist view
+    struct ap_vec3 seen[2];   // from each eye, in its axes: native metres, else a direction
+};
+
+struct ap_surface {
+    const struct ap_part *part;
+    struct ap_space space;
+    enum ap_view_mode mode;
+    struct ap_space born; // of AP_VIEW_BORN
+    int image;
+    struct ap_iso nose_from_part;
+    struct ap_iso eye_from_part[2];  // tourist; AP_VIEW_BORN: of the nose in the space of her birth
+    struct ap_pose eye_from_view[2]; // native
+};
+
+struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                                const struct ap_part *part, struct ap_iso nose_from_part,
+                                int image);
+
+// Fills p, tangent_m and seen: from along and from, or (polygons) from p.
+void ap_surface_see(const struct ap_surface *surface, struct ap_surface_point *point);
+
+// Halfway between two points along the surface, seen.
+struct ap_surface_point ap_surface_middle(const struct ap_surface *surface,
+                                          const struct ap_surface_point *a,
+                                          const struct ap_surface_point *b);
+
+// The unit normal 4-vector; of a ball as its meshes have it (src/render/mesh.h).
+struct ap_vec4 ap_surface_normal(const struct ap_surface *surface,
+                                 const struct ap_surface_point *point);
+
+// How many pixels of an eye's picture lie between the surface at m, a place of it between a and b
+// (polygons: the middle), and the straight edge from a to b; a quarter of a sheet's error in depth
+// included, which shows where surfaces meet at a small angle. The larger of the two eyes.
+double ap_surface_error_px(const struct ap_surface *surface, const struct ap_eyes *eyes,
+                           const struct ap_surface_point *a, const struct ap_surface_point *b,
+                           const struct ap_surface_point *m);
+
+#endif
