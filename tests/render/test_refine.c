@@ -201,7 +201,7 @@ static void bound_holds(void **state) {
         for (int kappa = 1; kappa >= -1; kappa--)
             for (int kind = 0; kind < 2; kind++) {
                 struct tally tally = {0};
-                for (int i = 0; i < 60; i++)
+                for (int i = 0; i < 40; i++)
                     one_place(&refiner, kappa, kind ? AP_PART_POLYGON : AP_PART_BALL, BOUNDS[b],
                               &tally);
                 printf("%s %s: worst %.4f px of %.2f over %ld points (at %.3f m, rho %.3f m), "
