@@ -184,9 +184,9 @@ static void take_step(struct live_slot *slot, const struct ap_driver_step *step)
 
 static void begin_reading(struct live_slot *slot) {
     const struct ap_live_listener *l = &slot->live->listener;
-    if (l->started)
-        l->started(l->user, slot->index, &slot->about.place, &slot->feed->info);
     int64_t now_ns = now_of(slot->bus);
+    if (l->started)
+        l->started(l->user, slot->index, &slot->about.place, &slot->feed->info, now_ns);
     pthread_mutex_lock(&slot->bus->lock);
     ap_feed_begin(slot->feed);
     for (int i = 0; i < AP_LIVE_TRACKERS_MAX; i++)
@@ -262,6 +262,7 @@ static void set_driver(struct live_slot *slot) {
     slot->about.degrees = slot->feed->driver ? slot->feed->driver->degrees : 0;
     struct ap_live_mount mount = mount_of(slot->live, &slot->about.place);
     slot->mount = mount.tracker_from_body;
+    slot->has_mount = mount.serial != NULL;
     slot->feed->info.bias = mount.bias;
     pthread_mutex_unlock(&slot->bus->lock);
 }

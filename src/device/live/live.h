@@ -74,7 +74,7 @@ struct ap_live_pose_row {
 struct ap_live_listener {
     void *user;
     void (*started)(void *user, int device, const struct ap_live_place *place,
-                    const struct ap_device_info *info);
+                    const struct ap_device_info *info, int64_t now_ns);
     void (*report)(void *user, const struct ap_live_report *report);
     void (*pose)(void *user, const struct ap_live_pose_row *row);
 };

@@ -30,6 +30,7 @@ static bool recentre(struct live_slot *slot, struct live_tracker *t,
     t->recentre_count = count;
     t->turn = level_turn(pose.q);
     t->anchor = pose;
+    t->is_turned = true;
     return true;
 }
 
@@ -40,10 +41,12 @@ static struct ap_pose place(struct live_tracker *t, const struct ap_driver_sampl
                             struct ap_pose pose) {
     enum ap_body_part part = (enum ap_body_part)atomic_load(&t->part);
     if (s->kind == AP_SAMPLE_ORIENTATION) {
-        pose.q = ap_quat_normalize(ap_quat_mul(t->turn, pose.q));
+        if (t->is_turned)
+            pose.q = ap_quat_normalize(ap_quat_mul(t->turn, pose.q));
         pose.p = ap_body_place(part, pose.q);
     } else if (s->kind == AP_SAMPLE_FLIGHT) {
-        pose = ap_pose_mul(ap_pose_inverse(t->anchor), pose);
+        if (t->is_turned)
+            pose = ap_pose_mul(ap_pose_inverse(t->anchor), pose);
         pose.p = ap_vec3_add(ap_body_place(part, AP_QUAT_IDENTITY), pose.p);
     }
     return pose;
@@ -102,11 +105,14 @@ static void take_sample(struct live_slot *slot, const struct ap_driver_sample *s
     if (!t)
         return;
     struct ap_pose pose = s->pose;
-    pose.q = ap_quat_mul(pose.q, slot->mount);
+    struct ap_vec3 rate = s->angular_velocity_rad_s;
+    if (slot->has_mount) {
+        pose.q = ap_quat_normalize(ap_quat_mul(pose.q, slot->mount));
+        rate = ap_quat_rotate(ap_quat_conj(slot->mount), rate);
+    }
     if (recentre(slot, t, s, pose) || restarted)
         ap_history_reset(&t->history);
     pose = place(t, s, pose);
-    struct ap_vec3 rate = ap_quat_rotate(ap_quat_conj(slot->mount), s->angular_velocity_rad_s);
     if (ap_history_push(&t->history, t_ns, pose, s->has_rate ? &rate : NULL)) {
         hold(t, s, t_ns);
         slot->about.newest_ns = t_ns;

@@ -28,6 +28,7 @@ struct live_tracker {
     atomic_int role, part;    // −1: none; enum ap_body_part, by the role
     bool flies, is_automatic; // the live lock
     // The reader's own.
+    bool is_turned;          // by turn and anchor; else poses are the driver's, bit for bit
     unsigned recentre_count; // of live->recentre_count, when it was recentred last
     struct ap_quat turn;     // of what only knows how it is turned
     struct ap_pose anchor;   // of what flies
@@ -41,6 +42,7 @@ struct live_slot {
     atomic_int state; // enum ap_live_state
     // The bus's lock.
     struct ap_live_device about; // but for state and roles
+    bool has_mount;
     struct ap_quat mount;
     void *device; // NULL: not open
     struct ap_feed *feed;
