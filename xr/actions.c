@@ -21,10 +21,11 @@ static const struct profile_bindings profiles[] = {
     {.profile = "/interaction_profiles/khr/simple_controller",
      .input = {COMMON, [AP_XR_SELECT] = "input/select/click", [AP_XR_MENU] = "input/menu/click"}},
     {.profile = "/interaction_profiles/oculus/touch_controller",
-     .input = {COMMON, [AP_XR_TRIGGER] = "input/trigger/value",
-               [AP_XR_SQUEEZE] = "input/squeeze/value", [AP_XR_SELECT] = "input/trigger/value",
-               [AP_XR_STICK] = "input/thumbstick", [AP_XR_PRIMARY] = "input/x/click",
-               [AP_XR_SECONDARY] = "input/y/click", [AP_XR_MENU] = "input/menu/click"},
+     .input =
+         {COMMON, [AP_XR_TRIGGER] = "input/trigger/value", [AP_XR_SQUEEZE] = "input/squeeze/value",
+          [AP_XR_SELECT] = "input/trigger/value", [AP_XR_STICK] = "input/thumbstick",
+          [AP_XR_PRIMARY] = "input/x/click", [AP_XR_SECONDARY] = "input/y/click",
+          [AP_XR_MENU] = "input/menu/click", [AP_XR_STICK_CLICK] = "input/thumbstick/click"},
      .right_primary = "input/a/click",
      .right_secondary = "input/b/click",
      .menu_left_only = true},
@@ -78,6 +79,7 @@ static enum ap_status create_actions(struct ap_error *err, struct ap_xr *xr) {
         [AP_XR_PRIMARY] = {"primary", "First button", XR_ACTION_TYPE_BOOLEAN_INPUT},
         [AP_XR_SECONDARY] = {"secondary", "Second button", XR_ACTION_TYPE_BOOLEAN_INPUT},
         [AP_XR_MENU] = {"menu", "Menu", XR_ACTION_TYPE_BOOLEAN_INPUT},
+        [AP_XR_STICK_CLICK] = {"stick_click", "Picture", XR_ACTION_TYPE_BOOLEAN_INPUT},
         [AP_XR_HAPTIC] = {"haptic", "Touch", XR_ACTION_TYPE_VIBRATION_OUTPUT},
     };
     for (int i = 0; i < AP_XR_ACTION_COUNT; i++) {
@@ -231,6 +233,7 @@ static enum ap_status read_hand(struct ap_error *err, struct ap_xr *xr, XrTime t
     out->primary = read_bool(&r, AP_XR_PRIMARY);
     out->secondary = read_bool(&r, AP_XR_SECONDARY);
     out->menu = read_bool(&r, AP_XR_MENU);
+    out->stick_click = read_bool(&r, AP_XR_STICK_CLICK);
     return r.st;
 }
 

@@ -68,6 +68,7 @@ struct ap_xr_hand {
     bool select;
     bool primary, secondary; // A or X, B or Y, where the controller has them
     bool menu;               // or what stands in for it
+    bool stick_click;        // the stick pressed
 };
 
 struct ap_xr_view {

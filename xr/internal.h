@@ -29,6 +29,7 @@ enum ap_xr_action {
     AP_XR_PRIMARY,
     AP_XR_SECONDARY,
     AP_XR_MENU,
+    AP_XR_STICK_CLICK,
     AP_XR_HAPTIC,
     AP_XR_ACTION_COUNT
 };

@@ -71,7 +71,8 @@ enum ap_status ap_xr_swapchain_create(struct ap_error *err, struct ap_xr *xr,
 static enum ap_status create_swapchain(struct ap_error *err, struct ap_xr *xr, uint32_t layers,
                                        struct ap_xr_swapchain *swapchain) {
     const XrSwapchainCreateInfo info = {.type = XR_TYPE_SWAPCHAIN_CREATE_INFO,
-                                        .usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT,
+                                        .usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT |
+                                                      XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT,
                                         .format = xr->format,
                                         .sampleCount = 1,
                                         .width = xr->width,

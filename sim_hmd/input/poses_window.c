@@ -25,7 +25,9 @@ static enum ap_status create(struct ap_error *err, const struct sim_settings *se
     struct player *player = malloc(sizeof *player);
     if (!player)
         return ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    // Before the table, looking down at it.
     *player = (struct player){.head_m = {0, 1.6, 1.0},
+                              .pitch_rad = -0.6,
                               .hand_m = {{-0.2, -0.45, -0.35}, {0.2, -0.45, -0.35}}};
     *state = player;
     return AP_OK;

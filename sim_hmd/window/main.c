@@ -16,22 +16,11 @@
 #include "sim_hmd/window/screen.h"
 #include "sim_hmd/window/shared.h"
 
-static const double ARROW_PX_PER_S = 500; // the arrow keys stand for the mouse
+// A key that is only tapped stays down until the runtime has looked so often, so that no frame of a
+// slow program misses it.
+enum { TAP_LOOKS = 2 };
 
-struct app {
-    struct sim_window_shared *shared;
-    GLFWwindow *window;
-    bool captured; // the mouse turns the head and its pointer is hidden
-    bool redraw;
-    double pointer_x, pointer_y;
-    double mouse_x, mouse_y, wheel; // accumulated
-    uint32_t buttons;               // sim_key bits of the mouse
-    struct sim_pair pair;           // the last picture
-    uint8_t *arranged;
-    enum sim_window_layout layout;
-    int pictures; // since the title was written
-    double titled_s;
-};
+static const double ARROW_PX_PER_S = 500; // the arrow keys stand for the mouse
 
 static const struct {
     int glfw;
@@ -68,6 +57,24 @@ static const struct {
             {GLFW_KEY_F11, SIM_KEY_RIGHT_STICK_CLICK},
             {GLFW_KEY_F12, SIM_KEY_STICK_CLICK}};
 
+enum { KEY_COUNT = sizeof keys / sizeof keys[0] };
+
+struct app {
+    struct sim_window_shared *shared;
+    GLFWwindow *window;
+    bool captured; // the mouse turns the head and its pointer is hidden
+    bool redraw;
+    double pointer_x, pointer_y;
+    double mouse_x, mouse_y, wheel; // accumulated
+    uint32_t buttons;               // sim_key bits of the mouse
+    struct sim_pair pair;           // the last picture
+    uint8_t *arranged;
+    enum sim_window_layout layout;
+    int pictures; // since the title was written
+    double titled_s;
+    uint32_t tapped[KEY_COUNT]; // down at least until the runtime has looked so often
+};
+
 static void capture_mouse(struct app *app, bool captured) {
     app->captured = captured;
     glfwSetInputMode(app->window, GLFW_CURSOR,
@@ -79,6 +86,10 @@ static void on_key(GLFWwindow *window, int key, int code, int action, int mods) 
     (void)code;
     (void)mods;
     struct app *app = glfwGetWindowUserPointer(window);
+    uint32_t looks = atomic_load_explicit(&app->shared->looks, memory_order_relaxed);
+    for (size_t k = 0; k < KEY_COUNT; k++)
+        if (action == GLFW_PRESS && keys[k].glfw == key)
+            app->tapped[k] = looks + TAP_LOOKS;
     if (action == GLFW_PRESS && key == GLFW_KEY_ESCAPE)
         glfwSetWindowShouldClose(window, GLFW_TRUE);
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB)
@@ -142,8 +153,10 @@ static void publish(_Atomic int64_t *to, double value) {
 
 static void hand_over_input(struct app *app, double step_s) {
     uint32_t bits = app->buttons;
-    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
-        if (glfwGetKey(app->window, keys[k].glfw) == GLFW_PRESS)
+    uint32_t looks = atomic_load_explicit(&app->shared->looks, memory_order_relaxed);
+    for (size_t k = 0; k < KEY_COUNT; k++)
+        if (glfwGetKey(app->window, keys[k].glfw) == GLFW_PRESS ||
+            (int32_t)(app->tapped[k] - looks) > 0)
             bits |= keys[k].key;
     double step_px = ARROW_PX_PER_S * step_s;
     app->mouse_x += step_px * (held(app, GLFW_KEY_RIGHT) - held(app, GLFW_KEY_LEFT));

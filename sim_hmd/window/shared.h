@@ -10,7 +10,7 @@
 // swaps its own for the middle one, so neither ever waits for the other nor sees half a picture.
 // Both are of one build; version tells where they are not. Neither trusts an index it reads.
 enum {
-    SIM_WINDOW_VERSION = 2,
+    SIM_WINDOW_VERSION = 3,
     SIM_WINDOW_FRESH = 4, // set in middle when the runtime put it there
     SIM_WINDOW_MAX_SIDE = 4096,
     SIM_WINDOW_MEMORY_FD = 3, // in the window's program
@@ -29,6 +29,7 @@ struct sim_window_shared {
     _Atomic uint32_t middle;                 // index 0…2, SIM_WINDOW_FRESH
     _Atomic uint32_t state;                  // enum sim_window_state, by the window
     _Atomic uint32_t keys;                   // enum sim_key bits
+    _Atomic uint32_t looks;                  // how often the runtime has looked at them
     _Atomic int64_t mouse_x, mouse_y, wheel; // accumulated, in 1/256 pixel or notch
     char title[128];
     char why[256]; // why it failed; written before state

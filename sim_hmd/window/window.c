@@ -230,6 +230,7 @@ void sim_window_input(struct sim_window *w, struct sim_window_input *input) {
         .mouse_y_px = from_fixed(&s->mouse_y),
         .wheel = from_fixed(&s->wheel),
         .closed = w->gone && !w->failed};
+    atomic_fetch_add_explicit(&s->looks, 1, memory_order_relaxed);
 }
 
 void sim_window_close(struct sim_window *w) {

@@ -190,6 +190,20 @@ struct ap_iso ap_shift(struct ap_space space, double x, double y, double z) {
     return ap_iso_translate(space, (struct ap_vec3){x, y, z});
 }
 
+enum ap_status ap_scene_add(struct ap_error *err, struct ap_scene *scene,
+                            const struct ap_part *part, size_t count, size_t *first) {
+    struct ap_part *grown = realloc(scene->parts, (scene->part_count + count) * sizeof *grown);
+    if (!grown)
+        return ap_fail(err, AP_ENVIRONMENT, "out of memory for a scene");
+    scene->parts = grown;
+    *first = scene->part_count;
+    for (size_t i = 0; i < count; i++) {
+        grown[scene->part_count] = *part;
+        grown[scene->part_count++].hidden = true;
+    }
+    return AP_OK;
+}
+
 void ap_scene_destroy(struct ap_scene *scene) {
     if (!scene)
         return;

@@ -114,6 +114,11 @@ enum ap_status ap_scene_read(struct ap_error *err, const char *path,
 enum ap_status ap_scene_billiards(struct ap_error *err, const struct ap_scene_params *params,
                                   struct ap_scene **scene);
 
+// Appends `count` copies of a part, hidden, for a program to move, colour and show as it goes
+// (before a renderer is made of the scene); *first is the first one's index.
+enum ap_status ap_scene_add(struct ap_error *err, struct ap_scene *scene,
+                            const struct ap_part *part, size_t count, size_t *first);
+
 void ap_scene_destroy(struct ap_scene *scene);
 
 #endif

@@ -1,0 +1,45 @@
+#include "src/app/play/detail.h"
+
+#include <math.h>
+
+enum { SETTLE_FRAMES = 12, CALM_FRAMES = 90, MOST_PATIENCE = 10000 };
+
+// Each level has about 0.7 of the pixels of the one before.
+static const double scales[AP_DETAIL_LEVELS] = {1, 0.84, 0.71, 0.59, 0.5, 0.42};
+
+void ap_detail_init(struct ap_detail *detail, bool automatic, double budget_ms) {
+    *detail =
+        (struct ap_detail){.automatic = automatic, .budget_ms = budget_ms, .patience = CALM_FRAMES};
+}
+
+double ap_detail_scale(const struct ap_detail *detail) {
+    return scales[detail->level];
+}
+
+static bool change(struct ap_detail *detail, int by) {
+    detail->level += by;
+    detail->frames = 0;
+    detail->slow_ms = 0;
+    return true;
+}
+
+bool ap_detail_step(struct ap_detail *detail, double frame_ms) {
+    if (!detail->automatic || !isfinite(frame_ms) || frame_ms < 0)
+        return false;
+    detail->frames++;
+    // The first frames after a change pay for it.
+    if (detail->frames <= 3)
+        return false;
+    detail->slow_ms =
+        detail->slow_ms > 0 ? detail->slow_ms + 0.1 * (frame_ms - detail->slow_ms) : frame_ms;
+    if (detail->frames < SETTLE_FRAMES)
+        return false;
+    if (detail->slow_ms > detail->budget_ms && detail->level < AP_DETAIL_LEVELS - 1) {
+        if (detail->patience < MOST_PATIENCE)
+            detail->patience *= 2;
+        return change(detail, 1);
+    }
+    // A step up costs about 1/0.7: only where that would leave a margin.
+    bool calm = detail->frames > detail->patience && detail->slow_ms < 0.6 * detail->budget_ms;
+    return calm && detail->level > 0 && change(detail, -1);
+}
