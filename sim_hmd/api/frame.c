@@ -14,7 +14,7 @@
 
 // Blocks until the frame before is begun, as the specification asks of overlapping frames. The
 // lock is given up meanwhile: everything is looked up again.
-static XrResult wait_for_turn(XrSession handle, struct sim_session **session) {
+SIM_HOT static XrResult wait_for_turn(XrSession handle, struct sim_session **session) {
     for (;;) {
         XrResult result = sim_session_get(handle, session);
         if (result != XR_SUCCESS)
@@ -23,28 +23,25 @@ static XrResult wait_for_turn(XrSession handle, struct sim_session **session) {
             return XR_ERROR_SESSION_NOT_RUNNING;
         if (!(*session)->waited)
             return XR_SUCCESS;
-        sim_wait_until(INT64_MAX);
+        sim_wait();
     }
 }
 
-static XrResult sleep_until(XrSession handle, int64_t machine_ns, struct sim_session **session) {
-    for (;;) {
-        XrResult result = sim_session_get(handle, session);
-        if (result != XR_SUCCESS)
-            return result;
-        if (!(*session)->running)
-            return XR_ERROR_SESSION_NOT_RUNNING;
-        if (ap_clock_now_ns() >= machine_ns)
-            return XR_SUCCESS;
-        sim_wait_until(machine_ns);
-    }
+SIM_HOT static XrResult sleep_until(XrSession handle, int64_t machine_ns,
+                                    struct sim_session **session) {
+    if (machine_ns != INT64_MIN)
+        sim_sleep_until(machine_ns);
+    XrResult result = sim_session_get(handle, session);
+    if (result == XR_SUCCESS && !(*session)->running)
+        return XR_ERROR_SESSION_NOT_RUNNING;
+    return result;
 }
 
-static bool past_the_end(const struct sim_session *session, int64_t index) {
+SIM_HOT static bool past_the_end(const struct sim_session *session, int64_t index) {
     return session->frame_limit >= 0 && index >= session->frame_limit;
 }
 
-static bool should_render(const struct sim_session *session, int64_t index) {
+SIM_HOT static bool should_render(const struct sim_session *session, int64_t index) {
     if (!sim_session_shows(session) || past_the_end(session, index) || session->headless)
         return false;
     if (session->pacer.clock == SIM_CLOCK_REAL)
@@ -54,18 +51,23 @@ static bool should_render(const struct sim_session *session, int64_t index) {
            sim_compositor_wants_frames(session->compositor);
 }
 
-static void take_window_input(struct sim_session *session, const struct sim_prediction *frame) {
+SIM_HOT static void take_window_input(struct sim_session *session,
+                                      const struct sim_prediction *frame) {
     struct sim_window_input input = {0};
-    bool window = session->compositor && sim_compositor_input(session->compositor, &input);
-    if (window)
+    if (session->compositor && sim_compositor_input(session->compositor, &input))
         sim_source_input(session->instance->source, &input, (double)frame->period_ns * 1e-9);
     sim_recentre_due(session, frame, input.keys);
     if (input.closed)
         sim_session_ask_to_end(session);
 }
 
-XrResult XRAPI_CALL xrWaitFrame(XrSession handle, const XrFrameWaitInfo *info,
-                                XrFrameState *state) {
+// XrTime, where a line of the frame tells it.
+static int64_t now_for_log(const struct sim_session *session) {
+    return session->frames_log ? sim_pacer_now(&session->pacer, ap_clock_now_ns()) : 0;
+}
+
+SIM_HOT XrResult XRAPI_CALL xrWaitFrame(XrSession handle, const XrFrameWaitInfo *info,
+                                        XrFrameState *state) {
     SIM_LOCKED;
     if (!sim_object_get(sim_raw(handle), SIM_SESSION))
         return XR_ERROR_HANDLE_INVALID;
@@ -85,18 +87,22 @@ XrResult XRAPI_CALL xrWaitFrame(XrSession handle, const XrFrameWaitInfo *info,
         if (session->state == XR_SESSION_STATE_READY)
             sim_session_show(session);
     }
+    if (!session->windowed)
+        sim_recentre_due(session, &frame, 0);
+    sim_source_prepare(session->instance->source, &session->pacer);
     result = sleep_until(handle, frame.wake_machine_ns, &session);
     if (result != XR_SUCCESS)
         return result;
-    session->waited_frame.waited_ns = sim_pacer_now(&session->pacer, ap_clock_now_ns());
-    take_window_input(session, &frame);
+    session->waited_frame.waited_ns = now_for_log(session);
+    if (session->windowed)
+        take_window_input(session, &frame);
     state->predictedDisplayTime = frame.display_ns;
     state->predictedDisplayPeriod = frame.period_ns;
     state->shouldRender = should_render(session, frame.index);
     return XR_SUCCESS;
 }
 
-XrResult XRAPI_CALL xrBeginFrame(XrSession handle, const XrFrameBeginInfo *info) {
+SIM_HOT XrResult XRAPI_CALL xrBeginFrame(XrSession handle, const XrFrameBeginInfo *info) {
     SIM_LOCKED;
     struct sim_session *session;
     XrResult result = sim_session_get(handle, &session);
@@ -113,13 +119,13 @@ XrResult XRAPI_CALL xrBeginFrame(XrSession handle, const XrFrameBeginInfo *info)
     session->missed += session->waited_frame.missed;
     session->begun = true;
     session->begun_frame = session->waited_frame;
-    session->begun_frame.begun_ns = sim_pacer_now(&session->pacer, ap_clock_now_ns());
+    session->begun_frame.begun_ns = now_for_log(session);
     session->waited = false;
     sim_wake();
     return discarded ? XR_FRAME_DISCARDED : XR_SUCCESS;
 }
 
-static XrResult check_end(const struct sim_session *session, const XrFrameEndInfo *info) {
+SIM_HOT static XrResult check_end(const struct sim_session *session, const XrFrameEndInfo *info) {
     if (!session->running)
         return XR_ERROR_SESSION_NOT_RUNNING;
     if (!session->begun)
@@ -138,13 +144,13 @@ static XrResult check_end(const struct sim_session *session, const XrFrameEndInf
 }
 
 // How long before its display time the begun frame is ended; negative: too late for it.
-static int64_t margin_ns(const struct sim_session *session) {
+SIM_HOT static int64_t margin_ns(const struct sim_session *session) {
     if (session->pacer.clock == SIM_CLOCK_VIRTUAL)
         return 0;
     return session->begun_frame.display_ns - sim_pacer_now(&session->pacer, ap_clock_now_ns());
 }
 
-static void count_frame(struct sim_session *session, int64_t margin) {
+SIM_HOT static void count_frame(struct sim_session *session, int64_t margin) {
     struct sim_frame_counts *counts = &session->counts;
     if (!counts->shown || margin < counts->margin_least_ns)
         counts->margin_least_ns = margin;
@@ -157,18 +163,22 @@ static void count_frame(struct sim_session *session, int64_t margin) {
 }
 
 // The headset shows the frame when it was predicted, whatever time the program names.
-static XrResult show_frame(struct sim_session *session, const XrFrameEndInfo *info,
-                           int64_t margin) {
-    static struct sim_frame frame; // large; the lock guards it
-    memset(&frame, 0, sizeof frame);
+SIM_HOT static XrResult show_frame(struct sim_session *session, const XrFrameEndInfo *info,
+                                   int64_t margin) {
+    static struct sim_frame frame; // large; the lock guards it; each layer is zeroed as it is used
     frame.index = session->begun_frame.index;
     frame.display_time = session->begun_frame.display_ns;
     frame.discarded = session->discarded;
     frame.missed = session->missed;
     frame.margin_ns = margin;
+    frame.capture = false;
     XrResult result = sim_layers_resolve(session, info, &frame);
-    if (result != XR_SUCCESS || !session->compositor)
+    if (result != XR_SUCCESS || session->headless)
         return result;
+    if (session->garbage)
+        sim_session_collect_garbage(session);
+    if (!session->watched)
+        return XR_SUCCESS;
     const struct sim_settings *settings = &session->instance->settings;
     bool seen = !past_the_end(session, frame.index);
     bool captured = seen && sim_settings_captures(settings, frame.index);
@@ -179,11 +189,10 @@ static XrResult show_frame(struct sim_session *session, const XrFrameEndInfo *in
         sim_session_lose(session, err.text);
         return XR_ERROR_SESSION_LOST;
     }
-    sim_session_collect_garbage(session);
     return XR_SUCCESS;
 }
 
-XrResult XRAPI_CALL xrEndFrame(XrSession handle, const XrFrameEndInfo *info) {
+SIM_HOT XrResult XRAPI_CALL xrEndFrame(XrSession handle, const XrFrameEndInfo *info) {
     SIM_LOCKED;
     struct sim_session *session;
     XrResult result = sim_session_get(handle, &session);
@@ -204,13 +213,13 @@ XrResult XRAPI_CALL xrEndFrame(XrSession handle, const XrFrameEndInfo *info) {
     return XR_SUCCESS;
 }
 
-static XrViewStateFlags view_flags(enum ap_pose_state state) {
+SIM_HOT static XrViewStateFlags view_flags(enum ap_pose_state state) {
     // The bits of XrViewStateFlags are those of XrSpaceLocationFlags.
     return (XrViewStateFlags)sim_location_flags(state);
 }
 
-static void fill_views(const struct sim_session *session, const struct sim_space *space,
-                       XrTime time, XrViewState *state, XrView *views) {
+SIM_HOT static void fill_views(const struct sim_session *session, const struct sim_space *space,
+                               XrTime time, XrViewState *state, XrView *views) {
     struct sim_located base = sim_space_in_stage(space, time);
     struct sim_located head = sim_head_in_stage(session, time);
     enum ap_pose_state worst = sim_worse_state(base.state, head.state);
@@ -221,16 +230,14 @@ static void fill_views(const struct sim_session *session, const struct sim_space
         base_from_view = ap_pose_inverse(space->parent_from_space);
     state->viewStateFlags = view_flags(worst);
     for (int eye = 0; eye < 2; eye++) {
-        struct ap_pose view_from_eye =
-            ap_headset_view_from_eye(&session->instance->settings.profile, eye);
-        views[eye].pose = sim_pose_to_xr(ap_pose_mul(base_from_view, view_from_eye));
-        views[eye].fov = sim_fov(session, eye);
+        views[eye].pose = sim_pose_to_xr(ap_pose_mul(base_from_view, session->view_from_eye[eye]));
+        views[eye].fov = session->fov[eye];
     }
 }
 
-XrResult XRAPI_CALL xrLocateViews(XrSession handle, const XrViewLocateInfo *info,
-                                  XrViewState *state, uint32_t capacity, uint32_t *count,
-                                  XrView *views) {
+SIM_HOT XrResult XRAPI_CALL xrLocateViews(XrSession handle, const XrViewLocateInfo *info,
+                                          XrViewState *state, uint32_t capacity, uint32_t *count,
+                                          XrView *views) {
     SIM_LOCKED;
     struct sim_session *session;
     XrResult result = sim_session_get(handle, &session);

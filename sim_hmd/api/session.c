@@ -110,6 +110,14 @@ static XrResult make_session(struct sim_instance *instance,
     const struct sim_settings *settings = &instance->settings;
     session->instance = instance;
     session->headless = !binding;
+    session->windowed = binding && settings->window;
+    session->watched = binding && (settings->window || settings->capture_dir);
+    for (int eye = 0; eye < 2; eye++) {
+        const struct ap_eye_profile *e = &settings->profile.eye[eye];
+        session->fov[eye] =
+            (XrFovf){(float)e->left_rad, (float)e->right_rad, (float)e->up_rad, (float)e->down_rad};
+        session->view_from_eye[eye] = ap_headset_view_from_eye(&settings->profile, eye);
+    }
     for (int top = 0; top < SIM_TOP_COUNT; top++)
         session->profile[top] = -1;
     session->frame_limit = frame_limit(instance);

@@ -282,9 +282,9 @@ static XrResult set_layouts(struct sim_swapchain *swapchain) {
     return XR_ERROR_SESSION_LOST;
 }
 
-XrResult XRAPI_CALL xrAcquireSwapchainImage(XrSwapchain handle,
-                                            const XrSwapchainImageAcquireInfo *info,
-                                            uint32_t *index) {
+SIM_HOT XrResult XRAPI_CALL xrAcquireSwapchainImage(XrSwapchain handle,
+                                                    const XrSwapchainImageAcquireInfo *info,
+                                                    uint32_t *index) {
     SIM_LOCKED;
     struct sim_swapchain *swapchain;
     XrResult result = sim_swapchain_get(handle, &swapchain);
@@ -307,7 +307,8 @@ XrResult XRAPI_CALL xrAcquireSwapchainImage(XrSwapchain handle,
     return XR_SUCCESS;
 }
 
-XrResult XRAPI_CALL xrWaitSwapchainImage(XrSwapchain handle, const XrSwapchainImageWaitInfo *info) {
+SIM_HOT XrResult XRAPI_CALL xrWaitSwapchainImage(XrSwapchain handle,
+                                                 const XrSwapchainImageWaitInfo *info) {
     SIM_LOCKED;
     struct sim_swapchain *swapchain;
     XrResult result = sim_swapchain_get(handle, &swapchain);
@@ -321,8 +322,8 @@ XrResult XRAPI_CALL xrWaitSwapchainImage(XrSwapchain handle, const XrSwapchainIm
     return XR_SUCCESS;
 }
 
-XrResult XRAPI_CALL xrReleaseSwapchainImage(XrSwapchain handle,
-                                            const XrSwapchainImageReleaseInfo *info) {
+SIM_HOT XrResult XRAPI_CALL xrReleaseSwapchainImage(XrSwapchain handle,
+                                                    const XrSwapchainImageReleaseInfo *info) {
     SIM_LOCKED;
     struct sim_swapchain *swapchain;
     XrResult result = sim_swapchain_get(handle, &swapchain);

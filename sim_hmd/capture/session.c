@@ -19,9 +19,9 @@ enum ap_status sim_session_capture_open(struct ap_error *err, struct sim_session
     return st ? st : sim_frames_log_create(err, s, &session->frames_log);
 }
 
-enum ap_status sim_session_capture_frame(struct ap_error *err, struct sim_session *session,
-                                         const XrFrameEndInfo *info, const struct sim_frame *frame,
-                                         bool captured) {
+SIM_HOT enum ap_status sim_session_capture_frame(struct ap_error *err, struct sim_session *session,
+                                                 const XrFrameEndInfo *info,
+                                                 const struct sim_frame *frame, bool captured) {
     if (!session->frames_log)
         return AP_OK;
     enum ap_status st = AP_OK;

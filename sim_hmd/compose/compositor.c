@@ -8,6 +8,7 @@
 #include "sim_hmd/compose/pass.h"
 #include "sim_hmd/compose/plan.h"
 #include "sim_hmd/compose/slot.h"
+#include "sim_hmd/core/hot.h"
 #include "sim_hmd/window/window.h"
 #include "src/base/log.h"
 
@@ -265,8 +266,8 @@ static void add_job(struct sim_compositor *c, struct sim_slot *slot, int what) {
     sim_capture_add(c->capture, &job);
 }
 
-enum ap_status sim_compositor_frame(struct ap_error *err, struct sim_compositor *c,
-                                    const struct sim_frame *frame) {
+SIM_HOT enum ap_status sim_compositor_frame(struct ap_error *err, struct sim_compositor *c,
+                                            const struct sim_frame *frame) {
     c->stats.frames++;
     bool show = c->window && sim_window_alive(c->window);
     if (!frame->capture && !show) {
@@ -387,11 +388,11 @@ enum ap_status sim_compositor_create(struct ap_error *err, const struct ap_gpu *
     return st;
 }
 
-bool sim_compositor_wants_frames(const struct sim_compositor *c) {
+SIM_HOT bool sim_compositor_wants_frames(const struct sim_compositor *c) {
     return c->window && sim_window_alive(c->window);
 }
 
-bool sim_compositor_input(const struct sim_compositor *c, struct sim_window_input *input) {
+SIM_HOT bool sim_compositor_input(const struct sim_compositor *c, struct sim_window_input *input) {
     if (!c->window)
         return false;
     bool alive = sim_window_alive(c->window); // says so if it could not be opened

@@ -135,8 +135,6 @@ static void put_part(const struct sim_layer_view *view, struct sim_shape *shape)
     struct part part = part_of(view);
     const double half[2] = {0.5 / view->width_px, 0.5 / view->height_px};
     for (int k = 0; k < 2; k++) {
-        shape->part[k] = (float)part.from[k];
-        shape->part[2 + k] = (float)(part.from[k] + part.size[k]);
         shape->limit[k] = (float)(part.from[k] + half[k]);
         shape->limit[2 + k] = (float)(part.from[k] + part.size[k] - half[k]);
     }

@@ -12,7 +12,6 @@ struct sim_shape {
     float from_uv[3][4];
     float origin[4];
     float shape[4];
-    float part[4];
     float limit[4];
 };
 

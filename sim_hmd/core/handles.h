@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "sim_hmd/core/hot.h"
+
 // OpenXR handles. A handle is not a pointer but a place in a table, the generation of that place
 // and the type, so that a destroyed, foreign or random one is told from a live one without touching
 // memory that is not ours. Everything here is called with the runtime's lock held.
@@ -48,9 +50,11 @@ void sim_unlock_scope(int *scope);
 #define SIM_LOCKED                                                                                 \
     __attribute__((cleanup(sim_unlock_scope), unused)) int sim_locked = sim_lock_scope()
 
-// Gives the lock up and waits: until the next sim_wake or until the machine's monotonic clock
-// reaches t_ns (INT64_MAX: for ever). Every object may be gone afterwards.
-void sim_wait_until(int64_t t_ns);
+// Both give the lock up; every object may be gone afterwards.
+// Waits for the next sim_wake.
+void sim_wait(void);
 void sim_wake(void);
+// Waits until the machine's monotonic clock reaches t_ns.
+void sim_sleep_until(int64_t t_ns);
 
 #endif

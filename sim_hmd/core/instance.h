@@ -17,18 +17,18 @@ struct sim_suggestion; // input/actions.h
 
 struct sim_instance {
     struct sim_object object;
-    struct sim_settings settings;
     struct sim_source *source;
+    struct sim_session *session;
     int64_t epoch_ns;
     uint32_t minor; // OpenXR 1.minor, as the program asked
     bool enabled[SIM_EXTENSION_COUNT];
     bool requirements_called;
+    struct sim_settings settings;
     struct sim_paths paths;
     struct sim_names names; // XR_EXT_debug_utils
-    struct sim_events events;
     struct sim_suggestion *suggestions;
     uint32_t suggestion_count, suggestion_capacity;
-    struct sim_session *session;
+    struct sim_events events;
 };
 
 struct sim_instance *sim_instance_get(XrInstance handle); // NULL: none

@@ -1,4 +1,5 @@
 #include <math.h>
+#include <string.h>
 
 #include "sim_hmd/compose/frame.h"
 #include "sim_hmd/core/layers.h"
@@ -14,18 +15,18 @@ static const XrCompositionLayerFlags known_flags =
     XR_COMPOSITION_LAYER_UNPREMULTIPLIED_ALPHA_BIT;
 
 // A pose that is the display's to float rounding, though it may have gone through another space.
-static bool same_pose(struct ap_pose a, struct ap_pose b) {
+SIM_HOT static bool same_pose(struct ap_pose a, struct ap_pose b) {
     double d = ap_vec3_length(ap_vec3_sub(a.p, b.p));
     double dot = a.q.x * b.q.x + a.q.y * b.q.y + a.q.z * b.q.z + a.q.w * b.q.w;
     return d <= 1e-5 && fabs(dot) >= 1 - 1e-11;
 }
 
-static bool same_fov(XrFovf a, XrFovf b) {
+SIM_HOT static bool same_fov(XrFovf a, XrFovf b) {
     return a.angleLeft == b.angleLeft && a.angleRight == b.angleRight && a.angleUp == b.angleUp &&
            a.angleDown == b.angleDown;
 }
 
-static bool fov_usable(XrFovf fov) {
+SIM_HOT static bool fov_usable(XrFovf fov) {
     const float a[] = {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown};
     for (int i = 0; i < 4; i++)
         if (!(fabsf(a[i]) < 1.5707963f))
@@ -42,8 +43,9 @@ struct in {
 };
 
 // The image that the swapchain shows now.
-static XrResult resolve_image(XrSwapchain handle, const struct sim_session *session, bool depth,
-                              uint32_t faces, uint32_t index, struct sim_layer_view *view) {
+SIM_HOT static XrResult resolve_image(XrSwapchain handle, const struct sim_session *session,
+                                      bool depth, uint32_t faces, uint32_t index,
+                                      struct sim_layer_view *view) {
     struct sim_swapchain *swapchain;
     XrResult result = sim_swapchain_get(handle, &swapchain);
     if (result != XR_SUCCESS)
@@ -67,8 +69,9 @@ static XrResult resolve_image(XrSwapchain handle, const struct sim_session *sess
     return XR_SUCCESS;
 }
 
-static XrResult resolve_sub_image(const XrSwapchainSubImage *sub, const struct sim_session *session,
-                                  bool depth, struct sim_layer_view *view) {
+SIM_HOT static XrResult resolve_sub_image(const XrSwapchainSubImage *sub,
+                                          const struct sim_session *session, bool depth,
+                                          struct sim_layer_view *view) {
     XrResult result = resolve_image(sub->swapchain, session, depth, 1, sub->imageArrayIndex, view);
     if (result != XR_SUCCESS)
         return result;
@@ -81,8 +84,8 @@ static XrResult resolve_sub_image(const XrSwapchainSubImage *sub, const struct s
     return XR_SUCCESS;
 }
 
-static XrResult resolve_pose(XrPosef pose, struct ap_pose stage_from_space,
-                             struct sim_layer_view *view) {
+SIM_HOT static XrResult resolve_pose(XrPosef pose, struct ap_pose stage_from_space,
+                                     struct sim_layer_view *view) {
     struct ap_pose space_from_layer;
     if (!sim_pose_from_xr(pose, &space_from_layer))
         return XR_ERROR_POSE_INVALID;
@@ -94,8 +97,8 @@ static XrResult resolve_pose(XrPosef pose, struct ap_pose stage_from_space,
 // ---- Projections
 
 // A projection's depth is verified, and that is all: nothing is reprojected by place.
-static XrResult check_depth(struct sim_session *session,
-                            const XrCompositionLayerProjectionView *view) {
+SIM_HOT static XrResult check_depth(struct sim_session *session,
+                                    const XrCompositionLayerProjectionView *view) {
     const XrCompositionLayerDepthInfoKHR *depth =
         sim_chained(view, XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR);
     if (!depth || !session->instance->enabled[SIM_KHR_composition_layer_depth])
@@ -116,10 +119,10 @@ static XrResult check_depth(struct sim_session *session,
     return XR_SUCCESS;
 }
 
-static XrResult resolve_view(struct sim_session *session, const struct sim_frame *frame, int eye,
-                             struct ap_pose stage_from_space,
-                             const XrCompositionLayerProjectionView *in,
-                             struct sim_layer_view *out) {
+SIM_HOT static XrResult resolve_view(struct sim_session *session, const struct sim_frame *frame,
+                                     int eye, struct ap_pose stage_from_space,
+                                     const XrCompositionLayerProjectionView *in,
+                                     struct sim_layer_view *out) {
     if (in->type != XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW)
         return XR_ERROR_VALIDATION_FAILURE;
     XrResult result = resolve_sub_image(&in->subImage, session, false, out);
@@ -135,7 +138,7 @@ static XrResult resolve_view(struct sim_session *session, const struct sim_frame
     return check_depth(session, in);
 }
 
-static XrResult resolve_projection(const struct in *in, struct sim_layer *out) {
+SIM_HOT static XrResult resolve_projection(const struct in *in, struct sim_layer *out) {
     const XrCompositionLayerProjection *layer = (const XrCompositionLayerProjection *)in->layer;
     if (layer->viewCount != 2 || !layer->views)
         return sim_strict(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame",
@@ -282,7 +285,8 @@ static const struct {
     {XR_TYPE_COMPOSITION_LAYER_CUBE_KHR, SIM_KHR_composition_layer_cube, resolve_cube},
 };
 
-static int kind_of(const struct sim_session *session, const XrCompositionLayerBaseHeader *layer) {
+SIM_HOT static int kind_of(const struct sim_session *session,
+                           const XrCompositionLayerBaseHeader *layer) {
     int k = 0, count = sizeof kinds / sizeof *kinds;
     while (k < count && kinds[k].type != layer->type)
         k++;
@@ -291,8 +295,9 @@ static int kind_of(const struct sim_session *session, const XrCompositionLayerBa
     return k;
 }
 
-static XrResult resolve_layer(struct sim_session *session, const struct sim_frame *frame,
-                              const XrCompositionLayerBaseHeader *layer, struct sim_layer *out) {
+SIM_HOT static XrResult resolve_layer(struct sim_session *session, const struct sim_frame *frame,
+                                      const XrCompositionLayerBaseHeader *layer,
+                                      struct sim_layer *out) {
     int kind = layer ? kind_of(session, layer) : -1;
     if (kind < 0)
         return XR_ERROR_LAYER_INVALID;
@@ -301,6 +306,7 @@ static XrResult resolve_layer(struct sim_session *session, const struct sim_fram
         return XR_ERROR_HANDLE_INVALID;
     if (space->session != session || layer->layerFlags & ~known_flags)
         return XR_ERROR_VALIDATION_FAILURE;
+    memset(out, 0, sizeof *out);
     out->blend_alpha = layer->layerFlags & XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT;
     out->unpremultiplied = layer->layerFlags & XR_COMPOSITION_LAYER_UNPREMULTIPLIED_ALPHA_BIT;
     struct sim_located at = sim_space_in_stage(space, frame->display_time);
@@ -310,17 +316,16 @@ static XrResult resolve_layer(struct sim_session *session, const struct sim_fram
     return kinds[kind].resolve(&in, out);
 }
 
-XrResult sim_layers_resolve(struct sim_session *session, const XrFrameEndInfo *info,
-                            struct sim_frame *frame) {
+SIM_HOT XrResult sim_layers_resolve(struct sim_session *session, const XrFrameEndInfo *info,
+                                    struct sim_frame *frame) {
     if (info->layerCount > SIM_MAX_LAYERS)
         return XR_ERROR_LAYER_LIMIT_EXCEEDED;
     if (info->layerCount && !info->layers)
         return XR_ERROR_VALIDATION_FAILURE;
     struct sim_located head = sim_head_in_stage(session, frame->display_time);
     for (int eye = 0; eye < 2; eye++) {
-        frame->stage_from_eye[eye] = ap_pose_mul(
-            head.pose, ap_headset_view_from_eye(&session->instance->settings.profile, eye));
-        frame->fov[eye] = sim_fov(session, eye);
+        frame->stage_from_eye[eye] = ap_pose_mul(head.pose, session->view_from_eye[eye]);
+        frame->fov[eye] = session->fov[eye];
     }
     for (uint32_t i = 0; i < info->layerCount; i++) {
         XrResult result = resolve_layer(session, frame, info->layers[i], &frame->layer[i]);

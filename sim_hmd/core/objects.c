@@ -12,18 +12,18 @@ struct sim_instance *sim_instance_get(XrInstance handle) {
     return sim_object_get(sim_raw(handle), SIM_INSTANCE);
 }
 
-XrResult sim_session_get(XrSession handle, struct sim_session **session) {
+SIM_HOT XrResult sim_session_get(XrSession handle, struct sim_session **session) {
     *session = sim_object_get(sim_raw(handle), SIM_SESSION);
     if (!*session)
         return XR_ERROR_HANDLE_INVALID;
     return (*session)->lost ? XR_ERROR_SESSION_LOST : XR_SUCCESS;
 }
 
-struct sim_space *sim_space_get(XrSpace handle) {
+SIM_HOT struct sim_space *sim_space_get(XrSpace handle) {
     return sim_object_get(sim_raw(handle), SIM_SPACE);
 }
 
-XrResult sim_swapchain_get(XrSwapchain handle, struct sim_swapchain **swapchain) {
+SIM_HOT XrResult sim_swapchain_get(XrSwapchain handle, struct sim_swapchain **swapchain) {
     *swapchain = sim_object_get(sim_raw(handle), SIM_SWAPCHAIN);
     if (!*swapchain)
         return XR_ERROR_HANDLE_INVALID;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "sim_hmd/core/hot.h"
 #include "src/device/timeline.h"
 
 void sim_pacer_init(struct sim_pacer *pacer, enum sim_clock clock, double refresh_hz,
@@ -19,20 +20,26 @@ void sim_pacer_set_rate(struct sim_pacer *pacer, double refresh_hz) {
     pacer->grid = 0;
 }
 
-int64_t sim_pacer_now(const struct sim_pacer *pacer, int64_t machine_ns) {
+SIM_HOT int64_t sim_pacer_now(const struct sim_pacer *pacer, int64_t machine_ns) {
     if (pacer->clock == SIM_CLOCK_VIRTUAL)
         return pacer->last_ns ? pacer->last_ns : SIM_FIRST_TIME_NS;
     return machine_ns - pacer->epoch_ns + SIM_FIRST_TIME_NS;
 }
 
+SIM_HOT int64_t sim_pacer_ahead(const struct sim_pacer *pacer, int ahead) {
+    int64_t place =
+        pacer->clock == SIM_CLOCK_VIRTUAL ? pacer->count - 1 - pacer->base : pacer->grid;
+    return ap_frame_time_ns(pacer->first_ns, place + ahead, pacer->refresh_hz);
+}
+
 // The first frame on the grid that is shown after `now`, and after the last one.
-static int64_t next_on_grid(const struct sim_pacer *pacer, int64_t now_ns) {
+SIM_HOT static int64_t next_on_grid(const struct sim_pacer *pacer, int64_t now_ns) {
     int64_t next = pacer->grid + 1;
     int64_t k = (int64_t)floor((double)(now_ns - pacer->first_ns) * pacer->refresh_hz * 1e-9);
     return k > next ? k : next;
 }
 
-struct sim_prediction sim_pacer_next(struct sim_pacer *pacer, int64_t machine_ns) {
+SIM_HOT struct sim_prediction sim_pacer_next(struct sim_pacer *pacer, int64_t machine_ns) {
     int64_t period = (int64_t)llround(1e9 / pacer->refresh_hz);
     struct sim_prediction p = {
         .index = pacer->count++, .period_ns = period, .wake_machine_ns = INT64_MIN};

@@ -42,6 +42,10 @@ void sim_pacer_set_rate(struct sim_pacer *pacer, double refresh_hz);
 // XrTime at the machine's time; on the virtual clock the last predicted frame's.
 int64_t sim_pacer_now(const struct sim_pacer *pacer, int64_t machine_ns);
 
+// When the frame will be shown that comes `ahead` frames after the last predicted one, if none is
+// missed on the way and the rate stays.
+int64_t sim_pacer_ahead(const struct sim_pacer *pacer, int ahead);
+
 // The next frame. Pure but for the pacer's own counters.
 struct sim_prediction sim_pacer_next(struct sim_pacer *pacer, int64_t machine_ns);
 

@@ -8,11 +8,11 @@
 // Recentring: LOCAL (and LOCAL_FLOOR) moves to where the head is, at a time that the settings name
 // or when the person at the window asks for it. What was located before keeps the old origin.
 
-static struct ap_pose first_local(const struct sim_session *session) {
+SIM_HOT static struct ap_pose first_local(const struct sim_session *session) {
     return sim_source_stage_from_local(session->instance->source);
 }
 
-struct ap_pose sim_local_in_stage(const struct sim_session *session, XrTime time) {
+SIM_HOT struct ap_pose sim_local_in_stage(const struct sim_session *session, XrTime time) {
     for (int i = session->recentring_count - 1; i >= 0; i--)
         if (time >= session->recentrings[i].from)
             return session->recentrings[i].stage_from_local;
@@ -59,8 +59,8 @@ static void recentre(struct sim_session *session, XrTime time) {
                  sim_local_floor_in_stage(session, time));
 }
 
-void sim_recentre_due(struct sim_session *session, const struct sim_prediction *frame,
-                      uint32_t keys) {
+SIM_HOT void sim_recentre_due(struct sim_session *session, const struct sim_prediction *frame,
+                              uint32_t keys) {
     const struct sim_settings *settings = &session->instance->settings;
     bool due = keys & ~session->keys & SIM_KEY_RECENTRE;
     session->keys = keys;

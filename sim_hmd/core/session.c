@@ -17,7 +17,7 @@ void sim_session_set_state(struct sim_session *session, XrSessionState state) {
     sim_events_push(&session->instance->events, event.session, &event, sizeof event);
 }
 
-bool sim_session_shows(const struct sim_session *session) {
+SIM_HOT bool sim_session_shows(const struct sim_session *session) {
     return session->state == XR_SESSION_STATE_VISIBLE || session->state == XR_SESSION_STATE_FOCUSED;
 }
 

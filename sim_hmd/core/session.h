@@ -23,37 +23,42 @@ struct sim_recentring {
 
 struct sim_session {
     struct sim_object object;
+    // What every frame touches, side by side.
     struct sim_instance *instance;
-    bool headless;
-    struct ap_gpu gpu;
-    struct sim_compositor *compositor;
-    struct sim_layer_capture *layer_capture; // capture/session.h
-    struct sim_frames_log *frames_log;
-    int64_t formats[16];
-    uint32_t format_count;
     XrSessionState state;
-    bool running, exit_requested, lost;
-    struct sim_pacer pacer;
-    int64_t frame_limit; // frames of this session; −1: no end
+    bool headless, running, exit_requested, lost;
+    bool windowed; // the settings ask for the window
+    bool watched;  // frames may be looked at: captured, logged or shown
     // The frame loop: waited frames that are not begun, and the begun one that is not ended.
     bool waited, begun;
     struct sim_prediction waited_frame, begun_frame;
+    struct sim_pacer pacer;
+    int64_t frame_limit;       // frames of this session; −1: no end
     int64_t discarded, missed; // since the last frame that was shown
-    struct sim_pulses pulses;  // since the last line of frames_log
     struct sim_frame_counts {
         int64_t shown, discarded, missed, late;
         int64_t margin_least_ns;
         double margin_sum_ns;
     } counts;
+    XrFovf fov[2]; // the profile's, as its eyes
+    struct ap_pose view_from_eye[2];
+    // Images of swapchains that were destroyed while the queue may still have worked on them.
+    struct sim_garbage *garbage;
+    int recentring_count;
+    struct sim_compositor *compositor;
+    struct sim_layer_capture *layer_capture; // capture/session.h
+    struct sim_frames_log *frames_log;
+
+    struct ap_gpu gpu;
+    int64_t formats[16];
+    uint32_t format_count;
+    struct sim_pulses pulses; // since the last line of frames_log
     // core/spaces.h: rising by time; what LOCAL was before the first of them.
     struct sim_recentring recentrings[SIM_MAX_RECENTRINGS];
-    int recentring_count;
     struct ap_pose oldest_local;
     size_t recentred; // of the settings' times
     int64_t first_frame_ns;
     uint32_t keys; // the window's, as of the last frame
-    // Images of swapchains that were destroyed while the queue may still have worked on them.
-    struct sim_garbage *garbage;
     // Actions. The bindings are those that were suggested when the sets were attached.
     bool attached;
     struct sim_suggestion *bindings;

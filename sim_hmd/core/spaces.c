@@ -7,7 +7,7 @@
 // OpenXR asks runtimes to take quaternions within 1 % of unit length.
 static const double QUAT_TOLERANCE = 0.01;
 
-bool sim_pose_from_xr(XrPosef in, struct ap_pose *out) {
+SIM_HOT bool sim_pose_from_xr(XrPosef in, struct ap_pose *out) {
     struct ap_pose pose = {
         .p = {in.position.x, in.position.y, in.position.z},
         .q = {in.orientation.x, in.orientation.y, in.orientation.z, in.orientation.w}};
@@ -22,18 +22,13 @@ bool sim_pose_from_xr(XrPosef in, struct ap_pose *out) {
     return true;
 }
 
-XrPosef sim_pose_to_xr(struct ap_pose pose) {
+SIM_HOT XrPosef sim_pose_to_xr(struct ap_pose pose) {
     return (XrPosef){
         .orientation = {(float)pose.q.x, (float)pose.q.y, (float)pose.q.z, (float)pose.q.w},
         .position = {(float)pose.p.x, (float)pose.p.y, (float)pose.p.z}};
 }
 
-XrFovf sim_fov(const struct sim_session *session, int eye) {
-    const struct ap_eye_profile *e = &session->instance->settings.profile.eye[eye];
-    return (XrFovf){(float)e->left_rad, (float)e->right_rad, (float)e->up_rad, (float)e->down_rad};
-}
-
-XrSpaceLocationFlags sim_location_flags(enum ap_pose_state state) {
+SIM_HOT XrSpaceLocationFlags sim_location_flags(enum ap_pose_state state) {
     switch (state) {
     case AP_POSE_EXACT:
     case AP_POSE_INTERPOLATED:
@@ -48,14 +43,14 @@ XrSpaceLocationFlags sim_location_flags(enum ap_pose_state state) {
     return 0;
 }
 
-static struct sim_located device_in_stage(const struct sim_session *session, enum sim_device device,
-                                          XrTime time) {
+SIM_HOT static struct sim_located device_in_stage(const struct sim_session *session,
+                                                  enum sim_device device, XrTime time) {
     struct ap_sample sample;
     enum ap_pose_state state = sim_source_at(session->instance->source, device, time, &sample);
     return (struct sim_located){state, state ? sample.pose : AP_POSE_IDENTITY};
 }
 
-struct sim_located sim_head_in_stage(const struct sim_session *session, XrTime time) {
+SIM_HOT struct sim_located sim_head_in_stage(const struct sim_session *session, XrTime time) {
     return device_in_stage(session, SIM_HEAD, time);
 }
 
@@ -89,7 +84,7 @@ static struct sim_located action_in_stage(const struct sim_space *space, XrTime 
     return hand;
 }
 
-static struct sim_located reference_in_stage(const struct sim_space *space, XrTime time) {
+SIM_HOT static struct sim_located reference_in_stage(const struct sim_space *space, XrTime time) {
     if (space->reference == XR_REFERENCE_SPACE_TYPE_LOCAL_FLOOR_EXT)
         return (struct sim_located){AP_POSE_EXACT, sim_local_floor_in_stage(space->session, time)};
     switch (space->reference) {
@@ -102,7 +97,7 @@ static struct sim_located reference_in_stage(const struct sim_space *space, XrTi
     }
 }
 
-struct sim_located sim_space_in_stage(const struct sim_space *space, XrTime time) {
+SIM_HOT struct sim_located sim_space_in_stage(const struct sim_space *space, XrTime time) {
     struct sim_located at =
         space->is_action ? action_in_stage(space, time) : reference_in_stage(space, time);
     if (at.state)

@@ -28,7 +28,6 @@ struct sim_located sim_space_in_stage(const struct sim_space *space, XrTime time
 struct sim_located sim_head_in_stage(const struct sim_session *session, XrTime time);
 bool sim_pose_from_xr(XrPosef in, struct ap_pose *out); // false: XR_ERROR_POSE_INVALID
 XrPosef sim_pose_to_xr(struct ap_pose pose);
-XrFovf sim_fov(const struct sim_session *session, int eye);
 enum ap_pose_state sim_worse_state(enum ap_pose_state a, enum ap_pose_state b);
 XrSpaceLocationFlags sim_location_flags(enum ap_pose_state state);
 

@@ -60,7 +60,7 @@ struct located_hand {
 
 static void locate(const struct hand_tracker *tracker, const struct sim_space *base, XrTime time,
                    struct located_hand *out) {
-    const struct sim_source *source = tracker->session->instance->source;
+    struct sim_source *source = tracker->session->instance->source;
     enum ap_pose_state hand = sim_source_hand(source, tracker->hand, time, &out->hand);
     struct sim_located at = sim_space_in_stage(base, time);
     out->state = hand == AP_POSE_LOST ? AP_POSE_NONE : sim_worse_state(hand, at.state);

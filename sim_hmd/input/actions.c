@@ -119,7 +119,7 @@ static float read_hand(const struct sim_component *c, bool as_button,
 // False where the device is not there.
 static bool read_input(const struct sim_session *session, const struct sim_suggestion *s,
                        bool as_button, float value[2]) {
-    const struct sim_source *source = session->instance->source;
+    struct sim_source *source = session->instance->source;
     enum sim_driven driven = session->automation.device[s->top];
     value[0] = value[1] = 0;
     if (driven == SIM_SWITCHED_OFF)

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "sim_hmd/input/hand_model.h"
+#include "sim_hmd/core/hot.h"
 #include "sim_hmd/core/pacer.h"
 #include "sim_hmd/input/log_inputs.h"
 #include "src/base/log.h"
@@ -15,14 +16,29 @@ static const struct sim_poses_kind *const kinds[] = {
     [SIM_POSES_WINDOW] = &sim_poses_window,
 };
 
+// Poses that were asked for last, so that the calls of a frame, which all ask for its display time
+// (and a moment before it, for velocities), evaluate them once.
+enum { REMEMBERED = 2, AHEAD = 32 };
+struct remembered {
+    bool there;
+    enum ap_pose_state state;
+    int64_t ns;
+    struct ap_sample sample;
+};
+
 struct sim_source {
     const struct sim_poses_kind *kind;
     void *poses; // the kind's state
     int64_t first_xr_ns;
-    struct ap_inputlog *inputs; // NULL: none
-    struct ap_handlog *hands;   // NULL: none
-    bool warned_unheard;
     struct ap_pose first_local;
+    struct sim_source_stats stats;
+    bool asked[SIM_DEVICE_COUNT]; // since sim_source_prepare
+    int next_ahead[SIM_DEVICE_COUNT];
+    struct remembered remembered[SIM_DEVICE_COUNT][REMEMBERED]; // newest first
+    struct remembered ahead[SIM_DEVICE_COUNT][AHEAD];           // of the frames to come
+    struct ap_inputlog *inputs;                                 // NULL: none
+    struct ap_handlog *hands;                                   // NULL: none
+    bool warned_unheard;
 };
 
 static int64_t start_ns(const struct sim_source *s) {
@@ -49,6 +65,11 @@ static enum ap_status load_inputs(struct ap_error *err, const struct sim_setting
 }
 
 static void keep_first_local(struct sim_source *s);
+
+static void forget(struct sim_source *s) {
+    memset(s->remembered, 0, sizeof s->remembered);
+    memset(s->ahead, 0, sizeof s->ahead);
+}
 
 enum ap_status sim_source_create(struct ap_error *err, const struct sim_settings *settings,
                                  struct sim_source **source) {
@@ -82,19 +103,88 @@ void sim_source_destroy(struct sim_source *source) {
 
 void sim_source_start(struct sim_source *source, int64_t first_xr_ns, int64_t machine_ns) {
     source->first_xr_ns = first_xr_ns;
+    forget(source);
     if (source->kind->start)
         source->kind->start(source->poses, machine_ns);
 }
 
-enum ap_pose_state sim_source_at(const struct sim_source *source, enum sim_device device,
-                                 int64_t xr_ns, struct ap_sample *sample) {
+static struct remembered evaluate(struct sim_source *source, enum sim_device device, int64_t ns) {
+    struct remembered r = {.there = !source->kind->learns, .ns = ns};
+    r.state = source->kind->at(source->poses, device, ns, &r.sample);
+    source->stats.evaluated++;
+    return r;
+}
+
+SIM_HOT static bool is_of(const struct remembered *r, int64_t ns) {
+    return r->there && r->ns == ns;
+}
+
+SIM_HOT static void put_first(struct remembered list[REMEMBERED], const struct remembered *r) {
+    for (int i = REMEMBERED - 1; i > 0; i--)
+        list[i] = list[i - 1];
+    list[0] = *r;
+}
+
+SIM_HOT static const struct remembered *recall(struct sim_source *source, enum sim_device device,
+                                               int64_t ns) {
+    struct remembered *list = source->remembered[device];
+    source->stats.asked++;
+    for (int i = 0; i < REMEMBERED; i++)
+        if (is_of(&list[i], ns)) {
+            source->stats.remembered++;
+            return &list[i];
+        }
+    struct remembered r = evaluate(source, device, ns);
+    put_first(list, &r);
+    return list;
+}
+
+SIM_HOT enum ap_pose_state sim_source_at(struct sim_source *source, enum sim_device device,
+                                         int64_t xr_ns, struct ap_sample *sample) {
     int64_t ns;
     if (__builtin_sub_overflow(xr_ns, source->first_xr_ns, &ns))
         return AP_POSE_NONE;
-    return source->kind->at(source->poses, device, ns, sample);
+    source->asked[device] = true;
+    const struct remembered *r = recall(source, device, ns);
+    if (r->state != AP_POSE_NONE)
+        *sample = r->sample;
+    return r->state;
 }
 
-enum ap_pose_state sim_source_hand(const struct sim_source *source, int hand, int64_t xr_ns,
+SIM_HOT static void prepare(struct sim_source *source, enum sim_device device,
+                            const struct sim_pacer *pacer) {
+    struct remembered *list = source->remembered[device], *ahead = source->ahead[device];
+    int *next = &source->next_ahead[device];
+    int64_t ns = sim_pacer_ahead(pacer, 0) - source->first_xr_ns;
+    if (is_of(&list[0], ns))
+        return;
+    if (*next == AHEAD || !is_of(&ahead[*next], ns)) {
+        int count = pacer->clock == SIM_CLOCK_REAL ? AHEAD : 1;
+        for (int i = 0; i < count; i++)
+            ahead[i] = evaluate(source, device, sim_pacer_ahead(pacer, i) - source->first_xr_ns);
+        for (int i = count; i < AHEAD; i++)
+            ahead[i].there = false;
+        *next = 0;
+    }
+    put_first(list, &ahead[(*next)++]);
+}
+
+SIM_HOT void sim_source_prepare(struct sim_source *source, const struct sim_pacer *pacer) {
+    // What learns, or moves with the window's next input, is not known yet.
+    if (source->kind->learns || source->kind->input)
+        return;
+    for (int d = 0; d < SIM_DEVICE_COUNT; d++) {
+        if (source->asked[d])
+            prepare(source, (enum sim_device)d, pacer);
+        source->asked[d] = false;
+    }
+}
+
+struct sim_source_stats sim_source_stats(const struct sim_source *source) {
+    return source->stats;
+}
+
+enum ap_pose_state sim_source_hand(struct sim_source *source, int hand, int64_t xr_ns,
                                    struct ap_hand *out) {
     int64_t t_ns;
     if (source->hands)
@@ -172,11 +262,11 @@ static void keep_first_local(struct sim_source *s) {
         s->first_local = level(head.pose);
 }
 
-struct ap_pose sim_source_stage_from_local(const struct sim_source *source) {
+SIM_HOT struct ap_pose sim_source_stage_from_local(const struct sim_source *source) {
     return source->first_local;
 }
 
-bool sim_source_local_at(const struct sim_source *source, int64_t xr_ns, struct ap_pose *local) {
+bool sim_source_local_at(struct sim_source *source, int64_t xr_ns, struct ap_pose *local) {
     struct ap_sample head;
     enum ap_pose_state state = sim_source_at(source, SIM_HEAD, xr_ns, &head);
     if (state == AP_POSE_NONE || state == AP_POSE_LOST)
@@ -187,6 +277,8 @@ bool sim_source_local_at(const struct sim_source *source, int64_t xr_ns, struct 
 
 void sim_source_input(struct sim_source *source, const struct sim_window_input *input,
                       double step_s) {
-    if (source->kind->input)
-        source->kind->input(source->poses, input, step_s);
+    if (!source->kind->input)
+        return;
+    forget(source);
+    source->kind->input(source->poses, input, step_s);
 }

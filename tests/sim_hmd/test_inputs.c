@@ -8,6 +8,7 @@
 #include "sim_hmd/core/settings.h"
 #include "sim_hmd/input/source.h"
 #include "sim_hmd/input/log_inputs.h"
+#include "src/device/walk.h"
 #include "tests/device/memory_file.h"
 
 // Input logs and the controllers that they drive.
@@ -158,6 +159,50 @@ static void inputs_have_the_pose_logs_clock(void **state) {
     close(file.fd);
 }
 
+// What is evaluated ahead and remembered is what is evaluated when it is asked for, also where
+// frames are missed, the rate changes, and a moment before is asked for.
+static void poses_ahead_are_the_same(void **state) {
+    (void)state;
+    struct ap_error err;
+    struct sim_settings settings;
+    struct sim_source *source = NULL;
+    if (sim_settings_read(&err, NULL, &settings) || sim_source_create(&err, &settings, &source))
+        fail_msg("%s", err.text);
+    struct sim_pacer pacer;
+    sim_pacer_init(&pacer, SIM_CLOCK_REAL, 90, 0);
+    int64_t now_ns = 0, first_ns = 0;
+    for (int k = 0; k < 200; k++) {
+        if (k == 150)
+            sim_pacer_set_rate(&pacer, 72);
+        struct sim_prediction frame = sim_pacer_next(&pacer, now_ns);
+        now_ns += k % 40 == 39 ? 37000000 : 11000000; // some frames are late
+        if (k == 0) {
+            first_ns = frame.display_ns;
+            sim_source_start(source, first_ns, 0);
+        }
+        sim_source_prepare(source, &pacer);
+        for (int d = SIM_HEAD; d < (k < 100 ? SIM_LEFT : SIM_DEVICE_COUNT); d++)
+            for (int before = 0; before < 3; before++) {
+                int64_t ns = frame.display_ns - (before == 1 ? 1000000 : 0);
+                struct ap_sample got = {0};
+                assert_int_equal(sim_source_at(source, (enum sim_device)d, ns, &got),
+                                 AP_POSE_EXACT);
+                struct ap_sample expected = ap_walk_at(&settings.walk, d, ns - first_ns);
+                if (memcmp(&got.pose, &expected.pose, sizeof got.pose) != 0)
+                    fail_msg("frame %d, device %d: x %.17g, expected %.17g", k, d, got.pose.p.x,
+                             expected.pose.p.x);
+            }
+    }
+    // Each frame's pose once, the moment before once; what was prepared in vain is a part of it.
+    struct sim_source_stats stats = sim_source_stats(source);
+    assert_int_equal(stats.asked, 100 * 3 + 100 * 9);
+    if (stats.remembered < 300 + 490 || stats.evaluated > 2 * 400 + 12 * 32)
+        fail_msg("asked %lld, remembered %lld, evaluated %lld", (long long)stats.asked,
+                 (long long)stats.remembered, (long long)stats.evaluated);
+    sim_source_destroy(source);
+    sim_settings_finish(&settings);
+}
+
 static void bad_settings_are_named(void **state) {
     (void)state;
     static const char *const cases[][2] = {
@@ -192,6 +237,7 @@ int main(void) {
         cmocka_unit_test(what_is_said_goes_before_what_follows),
         cmocka_unit_test(a_profile_knows_what_it_hears),
         cmocka_unit_test(inputs_have_the_pose_logs_clock),
+        cmocka_unit_test(poses_ahead_are_the_same),
         cmocka_unit_test(bad_settings_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
