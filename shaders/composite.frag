@@ -15,6 +15,10 @@ layout(location = 8) flat in vec4 shape_0;
 layout(location = 9) flat in vec4 shape_1;
 layout(location = 10) flat in vec4 shape_2;
 layout(location = 11) flat in vec4 shape_3;
+layout(location = 12) flat in vec4 limit_0;
+layout(location = 13) flat in vec4 limit_1;
+layout(location = 14) flat in vec4 limit_2;
+layout(location = 15) flat in vec4 limit_3;
 layout(location = 0) out vec4 color; // linear light, premultiplied; the target encodes it
 
 layout(set = 0, binding = 0) uniform sampler2D image_0;
@@ -22,9 +26,9 @@ layout(set = 0, binding = 1) uniform sampler2D image_1;
 layout(set = 0, binding = 2) uniform sampler2D image_2;
 layout(set = 0, binding = 3) uniform sampler2D image_3;
 
-// Of struct Layer, what every pixel of a curved one needs: the same for all of them.
-struct Curve {
-    vec4 origin, shape;
+// Of struct Layer, what every pixel needs: the same for all of them.
+struct Constant {
+    vec4 origin, shape, limit;
 };
 
 const float PI = 3.14159265;
@@ -56,7 +60,7 @@ vec3 inside(uint way, vec4 origin, vec3 ray, float a, out float t, out bool seen
     return a * origin.xyz + t * ray;
 }
 
-vec2 meet_sphere(uint way, Curve l, vec3 ray, out bool seen) {
+vec2 meet_sphere(uint way, Constant l, vec3 ray, out bool seen) {
     vec3 p = ray;
     float a = dot(ray, ray), t;
     seen = true;
@@ -70,7 +74,7 @@ vec2 meet_sphere(uint way, Curve l, vec3 ray, out bool seen) {
     return vec2(around(p, angle(p.x * (up * one))), angle(p.y * (ahead * one)));
 }
 
-vec2 meet_cylinder(uint way, Curve l, vec3 ray, out bool seen) {
+vec2 meet_cylinder(uint way, Constant l, vec3 ray, out bool seen) {
     vec3 p = ray;
     float a = dot(ray.xz, ray.xz), t = 1.0;
     seen = true;
@@ -84,7 +88,7 @@ vec2 meet_cylinder(uint way, Curve l, vec3 ray, out bool seen) {
 }
 
 // Where on the layer's image the ray meets it.
-vec2 meet(uint way, Curve l, vec3 ray, out bool seen) {
+vec2 meet(uint way, Constant l, vec3 ray, out bool seen) {
     uint kind = way & 3u;
     if (kind == 0u) {
         seen = ray.z > 0.0;
@@ -94,34 +98,36 @@ vec2 meet(uint way, Curve l, vec3 ray, out bool seen) {
     return at * l.shape.xz + l.shape.yw;
 }
 
-vec4 look(uint way, sampler2D image, Layer l, Curve curve, vec3 ray) {
+vec4 look(uint way, sampler2D image, Constant l, vec3 ray) {
     bool seen;
-    vec2 at = meet(way, curve, ray, seen), right = dFdx(at), down = dFdy(at);
+    vec2 at = meet(way, l, ray, seen), right = dFdx(at), down = dFdy(at);
+    vec2 texel = (way & PART) != 0u ? clamp(at, l.limit.xy, l.limit.zw) : at;
     if ((way & EDGES) != 0u) {
-        vec4 part = (way & PART) != 0u ? l.part : vec4(0.0, 0.0, 1.0, 1.0);
-        seen = seen && all(greaterThanEqual(at, part.xy)) && all(lessThanEqual(at, part.zw));
+        // The part ends half a texel beyond the limit.
+        if ((way & PART) != 0u)
+            seen = seen && all(lessThanEqual(abs(at - texel) * vec2(textureSize(image, 0)), vec2(0.5)));
+        else
+            seen = seen && all(greaterThanEqual(at, vec2(0.0))) && all(lessThanEqual(at, vec2(1.0)));
         if (!seen && COUNT == 1u && !FIRST)
             discard;
     }
-    if ((way & PART) != 0u)
-        at = clamp(at, l.limit.xy, l.limit.zw);
-    vec4 c = (way & MIPS) != 0u ? textureGrad(image, at, right, down) : textureLod(image, at, 0.0);
+    vec4 c = (way & MIPS) != 0u ? textureGrad(image, texel, right, down) : textureLod(image, texel, 0.0);
     c = layer_colour(way, c);
     return (way & EDGES) != 0u && !seen ? vec4(0.0) : c;
 }
 
 void main() {
-    vec4 sum = look(WAY_0, image_0, layers[0], Curve(origin_0, shape_0), ray_0);
+    vec4 sum = look(WAY_0, image_0, Constant(origin_0, shape_0, limit_0), ray_0);
     if (COUNT > 1u) {
-        vec4 c = look(WAY_1, image_1, layers[1], Curve(origin_1, shape_1), ray_1);
+        vec4 c = look(WAY_1, image_1, Constant(origin_1, shape_1, limit_1), ray_1);
         sum = c + (1.0 - c.a) * sum;
     }
     if (COUNT > 2u) {
-        vec4 c = look(WAY_2, image_2, layers[2], Curve(origin_2, shape_2), ray_2);
+        vec4 c = look(WAY_2, image_2, Constant(origin_2, shape_2, limit_2), ray_2);
         sum = c + (1.0 - c.a) * sum;
     }
     if (COUNT > 3u) {
-        vec4 c = look(WAY_3, image_3, layers[3], Curve(origin_3, shape_3), ray_3);
+        vec4 c = look(WAY_3, image_3, Constant(origin_3, shape_3, limit_3), ray_3);
         sum = c + (1.0 - c.a) * sum;
     }
     if (FIRST)

@@ -8,8 +8,9 @@ struct Layer {
     vec4 from_uv[3];
     vec4 origin; // curved layers: the eye in the layer's space, in radii; w: its square less 1
     vec4 shape;  // curved layers: the place on the image = angles · xz + yw
-    vec4 part;   // of the image, of the whole: left, top, right, bottom
-    vec4 limit;  // half a texel inside of it, so that nothing beside it is mixed in
+    // Of the image, of the whole: left, top, right, bottom of the part, half a texel inside of its
+    // edges, so that nothing beside it is mixed in.
+    vec4 limit;
 };
 layout(std140, set = 0, binding = 4) uniform Layers {
     Layer layers[FUSED];

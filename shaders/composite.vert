@@ -16,6 +16,10 @@ layout(location = 8) flat out vec4 shape_0;
 layout(location = 9) flat out vec4 shape_1;
 layout(location = 10) flat out vec4 shape_2;
 layout(location = 11) flat out vec4 shape_3;
+layout(location = 12) flat out vec4 limit_0;
+layout(location = 13) flat out vec4 limit_1;
+layout(location = 14) flat out vec4 limit_2;
+layout(location = 15) flat out vec4 limit_3;
 
 vec3 ray(uint k, vec3 at) {
     return vec3(dot(layers[k].from_uv[0].xyz, at), dot(layers[k].from_uv[1].xyz, at),
@@ -31,11 +35,15 @@ void main() {
     ray_3 = COUNT > 3u ? ray(3u, at) : vec3(0.0);
     origin_0 = layers[0].origin;
     shape_0 = layers[0].shape;
+    limit_0 = layers[0].limit;
     origin_1 = layers[1].origin;
     shape_1 = layers[1].shape;
+    limit_1 = layers[1].limit;
     origin_2 = layers[2].origin;
     shape_2 = layers[2].shape;
+    limit_2 = layers[2].limit;
     origin_3 = layers[3].origin;
     shape_3 = layers[3].shape;
+    limit_3 = layers[3].limit;
     gl_Position = vec4(2.0 * uv - 1.0, 0.0, 1.0);
 }

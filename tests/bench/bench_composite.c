@@ -258,6 +258,29 @@ static void frame_sphere_beside(void) {
     beside(frame_sphere);
 }
 
+// One pixel less all around than the image.
+static void part(void (*fill)(void)) {
+    fill();
+    for (int eye = 0; eye < 2; eye++)
+        frame.layer[0].view[eye].rect = (XrRect2Di){{1, 1}, {WIDTH - 2, HEIGHT - 2}};
+}
+
+static void frame_cylinder_part(void) {
+    part(frame_cylinder);
+}
+
+static void frame_cylinder_beside_part(void) {
+    part(frame_cylinder_beside);
+}
+
+static void frame_sphere_part(void) {
+    part(frame_sphere);
+}
+
+static void frame_sphere_beside_part(void) {
+    part(frame_sphere_beside);
+}
+
 static void frame_cube(void) {
     struct sim_layer *l = add(SIM_LAYER_CUBE, false);
     for (int eye = 0; eye < 2; eye++) {
@@ -376,9 +399,13 @@ static double median(double *values, int n) {
     return values[n / 2];
 }
 
+static const char *only; // contests with this in their names; NULL: all
+
 // layers: with how many times a textured draw it is compared; 0: with a plain copy.
 static void contest(const char *name, void (*fill)(void), uint32_t layers, int rounds) {
     static double ours[MAX_ROUNDS], theirs[MAX_ROUNDS], ratio[MAX_ROUNDS];
+    if (only && !strstr(name, only))
+        return;
     clear_frame();
     fill();
     for (int k = -2; k < rounds; k++) { // two rounds to get warm
@@ -400,10 +427,11 @@ static void frame_at_display(void) {
 
 int main(int argc, char **argv) {
     int rounds = argc > 1 ? atoi(argv[1]) : 15;
+    only = argc > 2 ? argv[2] : NULL;
     struct ap_error err;
     struct ap_gpu_headless_params params = {0};
     if (rounds < 1 || rounds > MAX_ROUNDS) {
-        printf("usage: bench_composite [ROUNDS]\n");
+        printf("usage: bench_composite [ROUNDS [WORDS]]\n");
         return 2;
     }
     if (ap_gpu_create_headless(&err, &params, &gpu)) {
@@ -424,6 +452,10 @@ int main(int argc, char **argv) {
     contest("a cylinder beside the eye", frame_cylinder_beside, 1, rounds);
     contest("a whole sphere about the eye", frame_sphere, 1, rounds);
     contest("a whole sphere beside the eye", frame_sphere_beside, 1, rounds);
+    contest("part of an image: cylinder about", frame_cylinder_part, 1, rounds);
+    contest("part of an image: cylinder beside", frame_cylinder_beside_part, 1, rounds);
+    contest("part of an image: sphere about", frame_sphere_part, 1, rounds);
+    contest("part of an image: sphere beside", frame_sphere_beside_part, 1, rounds);
     contest("a cube map", frame_cube, 1, rounds);
     vkDeviceWaitIdle(gpu.device);
     return 0; // the process's end frees the rest
