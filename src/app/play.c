@@ -2,6 +2,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "src/app/command.h"
@@ -35,11 +36,15 @@ static bool end_asked(void) {
 
 struct play_options {
     struct ap_room_options room;
-    const char *headset, *stereo, *pictures;
+    const char *headset, *stereo, *pictures, *clock;
     struct ap_text_list inputs;
     bool simulated, no_window, older_vulkan, stats, no_settings;
     double seconds;
 };
+
+static bool is_virtual(const struct play_options *o) {
+    return o->clock && strcmp(o->clock, "virtual") == 0;
+}
 
 // The active runtime, or the simulated headset where there is none.
 static enum ap_status choose_runtime(struct ap_error *err, const struct play_options *o,
@@ -54,6 +59,8 @@ static enum ap_status choose_runtime(struct ap_error *err, const struct play_opt
     const struct ap_play_simulated how = {.headset = o->headset,
                                           .layout = o->stereo ? o->stereo : "left",
                                           .window = !o->no_window,
+                                          .virtual_clock = is_virtual(o),
+                                          .walk_s = o->seconds,
                                           .logs = logs,
                                           .inputs = inputs,
                                           .log_count = log_count,
@@ -93,7 +100,8 @@ static enum ap_status play_it(struct ap_error *err, const struct play_options *o
         st = ap_play_open(err, &params, &play);
     if (simulated_path[0])
         unlink(simulated_path);
-    int64_t end_ns = isnan(o->seconds) ? INT64_MAX : start_ns + (int64_t)(o->seconds * 1e9);
+    bool unlimited = isnan(o->seconds) || is_virtual(o);
+    int64_t end_ns = unlimited ? INT64_MAX : start_ns + (int64_t)(o->seconds * 1e9);
     if (!st)
         st = ap_play_run(err, play, end_asked, end_ns);
     if (!st && o->stats)
@@ -115,6 +123,8 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         {"simulated", AP_OPTION_FLAG, &o.simulated, "",
          "the simulated headset, whatever is active"},
         {"no-window", AP_OPTION_FLAG, &o.no_window, "", "no window: poses from the scripted walk"},
+        {"clock", AP_OPTION_CHOICE, &o.clock, "real|virtual",
+         "of the simulated headset; virtual: every frame, however long it takes"},
         {"no-settings", AP_OPTION_FLAG, &o.no_settings, "", "do not read nor keep the settings"},
         {"older-vulkan", AP_OPTION_FLAG, &o.older_vulkan, "",
          "XR_KHR_vulkan_enable, where the runtime's _enable2 does not work"},

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <jansson.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,14 +68,20 @@ static json_t *absolute(char *const *paths, int count, bool logs) {
 static json_t *poses_of(const struct ap_play_simulated *how) {
     if (how->log_count > 0)
         return json_pack("{s:o}", "logs", absolute(how->logs, how->log_count, true));
-    return how->window ? json_pack("{s:b}", "window", 1) : json_pack("{s:s}", "script", "walk");
+    if (how->window)
+        return json_pack("{s:b}", "window", 1);
+    json_t *walk = json_pack("{s:s}", "script", "walk");
+    if (walk && !isnan(how->walk_s))
+        json_object_set_new(walk, "duration_s", json_real(how->walk_s));
+    return walk;
 }
 
 static char *settings_text(const struct ap_play_simulated *how) {
     json_t *shown =
         how->window && how->layout ? json_string(how->layout) : json_boolean(how->window);
     json_t *root =
-        json_pack("{s:s, s:o, s:o}", "clock", "real", "poses", poses_of(how), "window", shown);
+        json_pack("{s:s, s:s, s:o, s:o}", "clock", how->virtual_clock ? "virtual" : "real", "draw",
+                  "all", "poses", poses_of(how), "window", shown);
     char *headset = choose_headset(how);
     if (root && headset)
         json_object_set_new(root, "headset", json_string(headset));

@@ -10,6 +10,8 @@ struct ap_play_simulated {
     const char *headset; // NULL: "desktop" at a desk, "ci" where Vulkan is software, standard
     const char *layout;  // of the window: "left", "pair", "cross", "anaglyph"
     bool window;         // false: poses from the scripted walk, nothing is shown
+    bool virtual_clock;  // every frame of the log or script is drawn, however long it takes
+    double walk_s;       // how long the scripted walk is; NAN: its default
     char *const *logs, *const *inputs; // pose logs instead of the keys; input logs
     int log_count, input_count;
 };
