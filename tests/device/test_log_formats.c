@@ -506,6 +506,26 @@ static void test_commas(void **unused) {
     rmdir(folder);
 }
 
+// A tracker that only knows how it is turned: its axes and direction are seen to before the body's
+// model puts it somewhere, and scales are none of its.
+static void test_recording_options(void **unused) {
+    (void)unused;
+    static const char hid[] = "D: 0\nR: 12 05 20 0a 83 04 75 10 95 04 81 02 00\nI: 5 054c 0df0\n"
+                              "E: 000001.000000 8 00 00 00 00 82 5a 82 5a\n";
+    const double h = sqrt(0.5);
+    read_text(hid, "");
+    good();
+    ROW(0, 1000000000, "head", -0.08, 1.58, 0, 0, h, 0, h);
+    read_text(hid, ",invert=yes,offset=1");
+    ROW(0, 2000000000, "head", 0.08, 1.58, 0, 0, -h, 0, h);
+    read_text(hid, ",axes=xz-y,scale=5");
+    ROW(0, 1000000000, "head", 0.08, 1.5, -0.08, 0, 0, -h, h);
+    read_text(hid, ",hand=left");
+    ROW(0, 1000000000, "head", 0.08, 1.58, 0, 0, -h, 0, h);
+    read_bytes(hid, sizeof hid - 1, "right=", ",invert=yes", false);
+    ROW(0, 1000000000, "right", 0.2 + 0.35, 1.05, 0, 0, -h, 0, h);
+}
+
 static void check_in(const char *argument, const char *want) {
     char *got = ap_log_argument_in(argument, "/base");
     assert_string_equal(got, want);
@@ -531,7 +551,7 @@ int main(void) {
         cmocka_unit_test(test_aframe),     cmocka_unit_test(test_bsor),
         cmocka_unit_test(test_imu),        cmocka_unit_test(test_named),
         cmocka_unit_test(test_options),    cmocka_unit_test(test_commas),
-        cmocka_unit_test(test_folders),
+        cmocka_unit_test(test_folders),    cmocka_unit_test(test_recording_options),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

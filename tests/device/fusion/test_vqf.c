@@ -11,7 +11,9 @@
 #include <cmocka.h>
 
 #include "src/device/fusion/vqf.h"
+#include "src/device/poselog.h"
 #include "tests/device/fusion/broad.h"
+#include "tests/device/memory_file.h"
 
 static const double DEGREE = 3.14159265358979323846 / 180;
 static const double PERIOD_S = 0.005;
@@ -327,13 +329,61 @@ static void test_broad_fast(void **unused) {
     check_broad("broad_21_60s", 1.6, 1.1, 13.5);
 }
 
+// The same rows as EuRoC's imu0 would have them, read as a pose log: the orientation is the one
+// that the filter gives, and a head's place goes with it.
+static void test_broad_as_log(void **unused) {
+    (void)unused;
+    const char *shared = getenv("ANTIPODE_SHARED");
+    if (!shared) {
+        print_message("skipped: ANTIPODE_SHARED is not set\n");
+        skip();
+    }
+    char path[1024];
+    snprintf(path, sizeof path, "%s/data/imu/broad_05_60s.csv", shared);
+    size_t count = 0, len = 0;
+    struct broad_row *rows = broad_read(path, &count);
+    assert_non_null(rows);
+    size_t room = 200 * count;
+    char *text = malloc(room);
+    assert_non_null(text);
+    for (size_t i = 0; i < count; i++)
+        len += (size_t)snprintf(text + len, room - len, "%lld,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
+                                3500000LL * (long long)i, rows[i].gyr.x, rows[i].gyr.y,
+                                rows[i].gyr.z, rows[i].acc.x, rows[i].acc.y, rows[i].acc.z);
+    struct memory_file file = memory_file(text, len);
+    const char *source = file.path;
+    struct ap_poselog_params params = {.sources = &source, .source_count = 1};
+    struct ap_poselog *log = NULL;
+    struct broad_errors errors = {0};
+    assert_int_equal(ap_poselog_open(NULL, &params, &log), AP_OK);
+    size_t i = 8; // the first ones only tell the rate
+    for (bool got = true; got; i += got) {
+        struct ap_sample sample;
+        assert_int_equal(ap_poselog_next(NULL, log, &sample, &got), AP_OK);
+        if (!got)
+            break;
+        assert_int_equal(sample.t_ns, 3500000 * (int64_t)i);
+        double neck = ap_vec3_length(ap_vec3_sub(sample.pose.p, (struct ap_vec3){0, 1.5, 0}));
+        check("from the neck, m", fabs(neck - 0.08 * sqrt(2)), 1e-12);
+        broad_add(&errors, &rows[i], sample.pose.q);
+    }
+    assert_int_equal(i, count);
+    print_message("as a log: inclination %.3f degrees RMS\n", broad_inclination_deg(&errors));
+    check("inclination, degrees RMS", broad_inclination_deg(&errors), 0.4);
+    ap_poselog_close(log);
+    close(file.fd);
+    free(text);
+    free(rows);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lowpass),     cmocka_unit_test(test_rest_then_motion),
-        cmocka_unit_test(test_motion_only), cmocka_unit_test(test_rest_alone),
-        cmocka_unit_test(test_upside_down), cmocka_unit_test(test_uneven_steps),
-        cmocka_unit_test(test_rejects),     cmocka_unit_test(test_wild_input),
-        cmocka_unit_test(test_broad_slow),  cmocka_unit_test(test_broad_fast),
+        cmocka_unit_test(test_lowpass),      cmocka_unit_test(test_rest_then_motion),
+        cmocka_unit_test(test_motion_only),  cmocka_unit_test(test_rest_alone),
+        cmocka_unit_test(test_upside_down),  cmocka_unit_test(test_uneven_steps),
+        cmocka_unit_test(test_rejects),      cmocka_unit_test(test_wild_input),
+        cmocka_unit_test(test_broad_slow),   cmocka_unit_test(test_broad_fast),
+        cmocka_unit_test(test_broad_as_log),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
