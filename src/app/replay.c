@@ -27,7 +27,7 @@ static const char help[] =
 struct options {
     struct ap_room_options room;
     struct ap_log_options logs;
-    const char *headset, *frames, *dir;
+    const char *headset, *frames, *dir, *game, *shots;
     double pictures; // NAN: as --frames says
     bool force, stats;
 };
@@ -56,9 +56,10 @@ static bool is_picture(const char *name) {
 }
 
 static bool is_capture_file(const char *name) {
-    static const char *const names[] = {
-        "capture.json", "frames.csv",   "views.csv",   "timing.csv",   "index.html",
-        "vergence.csv", "vergence.png", "contact.png", "frames.jsonl", "frames.jsonl.part"};
+    static const char *const names[] = {"capture.json",      "frames.csv",  "views.csv",
+                                        "timing.csv",        "index.html",  "vergence.csv",
+                                        "vergence.png",      "contact.png", "frames.jsonl",
+                                        "frames.jsonl.part", "game.json"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         if (strcmp(name, names[i]) == 0)
             return true;
@@ -172,6 +173,14 @@ static void print_stats(const struct ap_replay *replay) {
            t->wait_ms, t->track_ms, t->draw_ms, t->end_ms);
 }
 
+static enum ap_status save_game(struct ap_error *err, const struct ap_replay *replay) {
+    char *path = ap_path_join(replay->dir, "game.json");
+    enum ap_status st = path ? ap_game_save(err, &replay->play->game, path)
+                             : ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    free(path);
+    return st;
+}
+
 static enum ap_status replay_into(struct ap_error *err, const char *log, const char *command,
                                   struct ap_replay *replay) {
     clear_dir(replay->dir);
@@ -192,6 +201,8 @@ static enum ap_status replay_into(struct ap_error *err, const char *log, const c
         return st;
     }
     st = ap_replay_tables_commit(err, replay);
+    if (!st && replay->play)
+        st = save_game(err, replay);
     replay->captured_count = whole_frames(replay);
     if (!st)
         st = ap_replay_write_capture(err, replay, log, command);
@@ -222,6 +233,9 @@ static enum ap_status open_replay(struct ap_error *err, const struct options *o,
     enum ap_status st = read_headset(err, o->headset, &replay->headset);
     if (!st)
         st = ap_room_open(err, &o->room, &replay->room);
+    if (!st && (o->game || o->shots))
+        st = ap_table_play_open(err, replay->room.scene, o->game ? o->game : "free", o->shots,
+                                &replay->play);
     if (!st)
         st = read_timeline(err, &o->logs, logs, log_count, &replay->timeline);
     if (st)
@@ -243,6 +257,9 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         {"pictures", AP_OPTION_NUMBER, &o.pictures, "N", "instead: about N, evenly over the log"},
         {"out", AP_OPTION_TEXT, &o.dir, "DIR", "where to write (antipode-out)"},
         {"force", AP_OPTION_FLAG, &o.force, "", "replace a capture in DIR"},
+        {"game", AP_OPTION_CHOICE, &o.game, "free|eight-ball|nine-ball",
+         "play: the balls move, DIR/game.json is the game at the end"},
+        {"shots", AP_OPTION_TEXT, &o.shots, "FILE", "a script of shots (docs/billiards.md)"},
         AP_LOG_OPTION_TABLE(o.logs),
         {"stats", AP_OPTION_FLAG, &o.stats, "", "say what was drawn, skipped and how long it took"},
     };
@@ -270,6 +287,7 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         st = ap_fail(err, AP_DIFFERS, "interrupted after frame %lld of %lld; %s/index.html says so",
                      (long long)replay.totals.stepped, (long long)replay.frame_count, o.dir);
     free(replay.captured);
+    ap_table_play_close(replay.play);
     ap_timeline_destroy(replay.timeline);
     ap_room_close(&replay.room);
     return st;

@@ -6,6 +6,7 @@
 
 #include "src/app/capture_dir.h"
 #include "src/app/room.h"
+#include "src/app/table_play.h"
 #include "src/base/file.h"
 #include "src/base/range.h"
 #include "src/device/headset.h"
@@ -31,6 +32,7 @@ struct ap_replay_totals {
 struct ap_replay {
     const char *dir;
     struct ap_room room;
+    struct ap_table_play *play; // NULL: the balls lie
     struct ap_timeline *timeline;
     struct ap_headset_profile headset;
     int64_t frame_count;

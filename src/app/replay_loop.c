@@ -186,6 +186,9 @@ static enum ap_status step(struct ap_error *err, struct loop *loop) {
         return st;
     double wait_ms = ms_since(&mark);
     st = step_devices(err, loop, &frame);
+    if (!st && loop->replay->play)
+        st = ap_table_play_step(err, loop->replay->play,
+                                (double)(frame.time_ns - 1000000000) * 1e-9);
     if (st)
         return st;
     double track_ms = ms_since(&mark);

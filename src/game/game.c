@@ -108,6 +108,8 @@ bool ap_game_advance(struct ap_game *g, double until_s,
             seen(data, &event);
     }
     if (g->shooting && ap_physics_at_rest(&g->physics)) {
+        // The moment is that of the rest, not of who asked.
+        g->physics.now_s = g->physics.changed_s;
         judge(g);
         judged = true;
     }

@@ -52,8 +52,8 @@ enum ap_status ap_game_place_anywhere(struct ap_error *err, struct ap_game *game
 enum ap_status ap_game_strike(struct ap_error *err, struct ap_game *game,
                               const struct ap_strike *strike);
 
-// Goes to until_s of the physics' time; where the balls come to rest on the way the shot is judged
-// and true returned. `seen` may be NULL.
+// Goes to until_s of the physics' time. Where the balls come to rest on the way it stops at that
+// very moment, judges the shot and returns true: call it again to go on. `seen` may be NULL.
 bool ap_game_advance(struct ap_game *game, double until_s,
                      void (*seen)(void *data, const struct ap_physics_event *event), void *data);
 

@@ -16,7 +16,7 @@ static void between(const struct ap_physics *ph, int i, double from_s, double to
     int n = (int)fmin(POINTS_MAX, floor(*way / step_m));
     for (int k = 1; k <= n; k++) {
         double t = from_s + (to_s - from_s) * k / n;
-        sink->point(sink->data, i, t, ap_physics_foot(ph, i, t).foot_m, NULL);
+        sink->point(sink->data, i, t, ap_physics_motion(ph, i, t).foot_m, NULL);
     }
     if (n > 0)
         *way = 0;
@@ -32,9 +32,9 @@ static double first_end(const struct ap_physics *ph, double until_s) {
 
 static void tell_event(const struct ap_physics *ph, const struct ap_physics_event *e,
                        const struct ap_path_sink *sink) {
-    sink->point(sink->data, e->a, e->t_s, ap_physics_foot(ph, e->a, e->t_s).foot_m, e);
+    sink->point(sink->data, e->a, e->t_s, ap_physics_motion(ph, e->a, e->t_s).foot_m, e);
     if (e->kind == AP_EVENT_BALLS)
-        sink->point(sink->data, e->b, e->t_s, ap_physics_foot(ph, e->b, e->t_s).foot_m, e);
+        sink->point(sink->data, e->b, e->t_s, ap_physics_motion(ph, e->b, e->t_s).foot_m, e);
 }
 
 void ap_physics_path(const struct ap_physics *physics, double limit_s, double step_m,
@@ -43,7 +43,7 @@ void ap_physics_path(const struct ap_physics *physics, double limit_s, double st
     double until_s = ph.now_s + limit_s, way[AP_BALLS_MAX] = {0};
     for (int i = 0; i < ph.ball_count; i++)
         if (ap_ball_moves(&ph.ball[i]))
-            sink->point(sink->data, i, ph.now_s, ap_physics_foot(&ph, i, ph.now_s).foot_m, NULL);
+            sink->point(sink->data, i, ph.now_s, ap_physics_motion(&ph, i, ph.now_s).foot_m, NULL);
     for (;;) {
         struct ap_physics_event event;
         before = ph;

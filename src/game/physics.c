@@ -129,7 +129,8 @@ enum ap_status ap_physics_init(struct ap_error *err, const struct ap_table_shape
         shape->space.rho_m * ap_space_sin(shape->space, ph.edge_distance_m / shape->space.rho_m);
     ph.longest_m2 = longest(&ph);
     if (ph.params.pocket_radius_m == 0)
-        ph.params.pocket_radius_m = sqrt(2) * ph.edge_distance_m + 0.75 * ph.params.ball_radius_m;
+        ph.params.pocket_radius_m =
+            sqrt(2) * (ph.params.cushion_m + ph.params.ball_radius_m) + ph.params.ball_radius_m;
     ph.capture_m2 = ap_plane_chord2_of(shape->space, ph.params.pocket_radius_m);
     if (!ph.params.no_cushions)
         add_edges(&ph);
@@ -184,7 +185,7 @@ static enum ap_status check_place(struct ap_error *err, const struct ap_physics 
     for (int k = 0; k < ph->ball_count; k++) {
         if (k == ball || ph->ball[k].state == AP_BALL_POCKETED)
             continue;
-        struct ap_plane3 q = ap_physics_foot(ph, k, ph->now_s).foot_m;
+        struct ap_plane3 q = ap_physics_motion(ph, k, ph->now_s).foot_m;
         if (ap_plane_chord2(space.kappa, p, q) < ph->touch_m2 - grace)
             return ap_fail(err, AP_INPUT, "there ball %d would overlap ball %d", ball, k);
     }
@@ -211,14 +212,16 @@ enum ap_status ap_physics_place(struct ap_error *err, struct ap_physics *ph, int
     return AP_OK;
 }
 
-struct ap_foot_motion ap_physics_foot(const struct ap_physics *ph, int ball, double t_s) {
-    const struct ap_ball *b = &ph->ball[ball];
-    struct ap_foot_motion m = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-    t_s = fmin(fmax(t_s, b->t0_s), b->t_end_s);
-    ap_segment_at(ph, b, t_s, &m.foot_m, &m.velocity_m_s);
-    struct ap_ball copy = *b;
-    ap_segment_commit(ph, &copy, t_s);
-    m.turn_rad_s = copy.turn_rad_s;
+struct ap_ball_motion ap_physics_motion(const struct ap_physics *ph, int ball, double t_s) {
+    struct ap_ball b = ph->ball[ball];
+    struct ap_ball_motion m;
+    t_s = fmin(fmax(t_s, b.t0_s), b.t_end_s);
+    ap_segment_at(ph, &b, t_s, &m.foot_m, &m.velocity_m_s);
+    ap_segment_commit(ph, &b, t_s);
+    struct ap_plane2 rolling = ap_rolling_of(b.turn_rad_s);
+    m.rolling_rad_s =
+        ap_plane_apply(&b.world_from_foot, (struct ap_plane3){rolling.x, rolling.z, 0});
+    m.spin_rad_s = b.turn_rad_s.y;
     return m;
 }
 

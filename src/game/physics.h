@@ -37,8 +37,8 @@ struct ap_physics_params {
     double cushion_restitution; // 0.85
     double cushion_friction;    // 0.2
     double cushion_m; // 0.025, or 0.07·inradius: from the table's edge in to the cushion's nose
-    double pocket_radius_m; // how near its middle a foot falls in; default √2·b + ¾·s, b how near
-                            // an edge a foot gets, s the ball's radius
+    double pocket_radius_m; // how near its middle a foot falls in; √2·(cushion + s) + s, s the
+                            // ball's radius: the mouth that the room shows
     double cue_mass_kg;     // 0.54
     double tip_restitution; // 0.75
     bool no_pockets;
@@ -97,7 +97,7 @@ struct ap_physics {
     struct ap_physics_params params; // every default filled in
     struct ap_table_shape shape;
     int ball_count, edge_count, pocket_count;
-    double now_s;
+    double now_s, changed_s; // when something last began to move otherwise
     struct ap_ball ball[AP_BALLS_MAX];
     // Derived, all in metres: R = rho·tan_kappa(s/rho); the least foot distance from an edge and
     // its rho·sin_kappa; chords² of contact, capture and the longest on the table.
@@ -166,12 +166,13 @@ void ap_physics_advance(struct ap_physics *physics, double until_s,
 // No ball in play moves or spins.
 bool ap_physics_at_rest(const struct ap_physics *physics);
 
-// A ball's foot and motion at t_s, between its t0_s and t_end_s (held to them).
-struct ap_foot_motion {
+// A ball's foot and motion at t_s, between its t0_s and t_end_s (held to them); world coordinates.
+struct ap_ball_motion {
     struct ap_plane3 foot_m, velocity_m_s;
-    struct ap_vec3 turn_rad_s; // along the foot's frame carried in parallel
+    struct ap_plane3 rolling_rad_s; // turn × up, a tangent vector: it rolls where V = R·rolling
+    double spin_rad_s;              // turn about up
 };
-struct ap_foot_motion ap_physics_foot(const struct ap_physics *physics, int ball, double t_s);
+struct ap_ball_motion ap_physics_motion(const struct ap_physics *physics, int ball, double t_s);
 
 // world_from_ball at now_s: its centre stands s above the foot; orthonormal to 1e-15.
 struct ap_iso ap_physics_world_from_ball(const struct ap_physics *physics, int ball);

@@ -182,6 +182,7 @@ static void renew_row(struct ap_physics *ph, int i) {
 void ap_queue_renew(struct ap_physics *ph, unsigned balls, double t_s) {
     struct moment m[AP_BALLS_MAX];
     int n = ph->ball_count, which;
+    ph->changed_s = t_s;
     for (int i = 0; i < n; i++)
         if (in_play(ph, i))
             m[i] = moment_of(ph, i, t_s);

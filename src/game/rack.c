@@ -63,10 +63,11 @@ static double closest(const struct ap_physics *ph, const struct spot *spots, int
     return sqrt(least);
 }
 
-// Every ball starts turned its own way.
+// As the room shows them: every ball lies differently, its number where one may see it.
 static struct ap_quat first_turn(int ball) {
-    struct ap_vec3 axis = ap_vec3_normalize((struct ap_vec3){0.3, 1, 0.2 * (ball - 11)});
-    return ap_quat_from_axis_angle(axis, 0.9 * ball);
+    struct ap_vec3 axis = ap_vec3_normalize((struct ap_vec3){1, 0.25 * (ball % 5 - 2), 0.3});
+    return ap_quat_mul(ap_quat_from_axis_angle((struct ap_vec3){0, 1, 0}, 2.4 * ball),
+                       ap_quat_from_axis_angle(axis, -0.45 - 0.11 * (ball % 7)));
 }
 
 enum ap_status ap_rack_set(struct ap_error *err, struct ap_physics *ph, enum ap_game_kind kind) {

@@ -71,8 +71,8 @@ static struct ap_plane3 direction_of(const struct ap_physics *ph, int ball, stru
 }
 
 struct ap_plane3 ap_physics_toward(const struct ap_physics *ph, int a, int b) {
-    struct ap_plane3 p = ap_physics_foot(ph, a, ph->now_s).foot_m;
-    struct ap_plane3 q = ap_physics_foot(ph, b, ph->now_s).foot_m;
+    struct ap_plane3 p = ap_physics_motion(ph, a, ph->now_s).foot_m;
+    struct ap_plane3 q = ap_physics_motion(ph, b, ph->now_s).foot_m;
     struct ap_plane3 d = {q.x - p.x, q.z - p.z, q.w - p.w};
     struct ap_ball ball = ph->ball[a];
     ap_segment_commit(ph, &ball, fmin(ph->now_s, ball.t_end_s));
@@ -82,7 +82,7 @@ struct ap_plane3 ap_physics_toward(const struct ap_physics *ph, int a, int b) {
 // The foot's own frame has gone many ways; the one carried straight from the centre has not.
 struct ap_plane3 ap_physics_heading(const struct ap_physics *ph, int ball, double angle_rad) {
     struct ap_space space = ph->shape.space;
-    struct ap_plane3 p = ap_physics_foot(ph, ball, ph->now_s).foot_m;
+    struct ap_plane3 p = ap_physics_motion(ph, ball, ph->now_s).foot_m;
     double r = hypot(p.x, p.z);
     double theta = space.kappa > 0   ? atan2(r, p.w)
                    : space.kappa < 0 ? asinh(r / space.rho_m)

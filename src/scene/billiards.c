@@ -63,6 +63,7 @@ static void add_pool_ball(struct ap_scene_build *build, struct ap_iso place, dou
     part.finish = number > 8 ? AP_FINISH_STRIPED : AP_FINISH_POOL;
     part.decal = ap_build_decal(build, text);
     part.casts_shadow = true;
+    part.pool_ball = 1 + number;
     ap_build_part(build, part);
 }
 
@@ -90,6 +91,7 @@ static void add_balls(struct ap_scene_build *build) {
         ap_ball_part(resting(t->space, 0, 0.6 * t->inradius_m, radius), radius, cue_ball_rgb);
     cue_ball.finish = AP_FINISH_POOL;
     cue_ball.casts_shadow = true;
+    cue_ball.pool_ball = 1;
     ap_build_part(build, cue_ball);
     build->object++;
 }

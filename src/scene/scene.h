@@ -75,6 +75,7 @@ struct ap_part {
     bool hidden;       // not drawn (a hand that is not tracked is handled by the renderer)
     char name[64];     // target name, or ""
     bool target;       // an unlit ball with a colour used once
+    int pool_ball;     // 1 + its number (the cue ball's is 0), for who plays; 0: none
     int object;        // index of the scene object it came from
 };
 

@@ -63,8 +63,8 @@ static inline void strike(struct ap_physics *ph, int ball, const struct ap_strik
 static inline double distance_of(const struct ap_physics *ph, int a, int b) {
     return ap_plane_distance(ph->shape.space,
                              ap_plane_chord2(ph->shape.space.kappa,
-                                             ap_physics_foot(ph, a, ph->now_s).foot_m,
-                                             ap_physics_foot(ph, b, ph->now_s).foot_m));
+                                             ap_physics_motion(ph, a, ph->now_s).foot_m,
+                                             ap_physics_motion(ph, b, ph->now_s).foot_m));
 }
 
 // A number of [0, 1), the same on every machine.

@@ -18,7 +18,7 @@ static double deepest(const struct ap_physics *ph) {
     for (int i = 0; i < ph->ball_count; i++) {
         if (ph->ball[i].state == AP_BALL_POCKETED)
             continue;
-        p[i] = ap_physics_foot(ph, i, ph->now_s).foot_m;
+        p[i] = ap_physics_motion(ph, i, ph->now_s).foot_m;
         for (int j = 0; j < i; j++)
             if (ph->ball[j].state != AP_BALL_POCKETED)
                 worst = fmax(worst, 2 * ph->rolling_radius_m -
@@ -107,8 +107,8 @@ static void test_tight_rack(void **state) {
     static const int mirror[16] = {0, 1, 3, 2, 6, 5, 4, 10, 9, 8, 7, 15, 14, 13, 12, 11};
     double moved = 0;
     for (int i = 1; i < 16; i++) {
-        struct ap_foot_motion a = ap_physics_foot(&ph, i, ph.now_s);
-        struct ap_foot_motion b = ap_physics_foot(&ph, mirror[i], ph.now_s);
+        struct ap_ball_motion a = ap_physics_motion(&ph, i, ph.now_s);
+        struct ap_ball_motion b = ap_physics_motion(&ph, mirror[i], ph.now_s);
         check_near(a.foot_m.x, -b.foot_m.x, 1e-8);
         check_near(a.foot_m.z, b.foot_m.z, 1e-8);
         moved += hypot(a.velocity_m_s.x, a.velocity_m_s.z);
@@ -190,7 +190,7 @@ static void test_path(void **state) {
         for (int i = 0; i < 16; i++) {
             if (path.t[i] == 0)
                 continue;
-            struct ap_plane3 end = ap_physics_foot(&ph, i, ph.now_s).foot_m;
+            struct ap_plane3 end = ap_physics_motion(&ph, i, ph.now_s).foot_m;
             check_near(path.last[i].x, end.x, 1e-15);
             check_near(path.last[i].z, end.z, 1e-15);
         }

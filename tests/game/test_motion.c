@@ -11,7 +11,7 @@ static void test_straight_shot(void **state) {
         struct ap_physics ph;
         open_table(kappa, &params, &ph);
         place(&ph, 0, 0.05, 0.2 * ph.shape.inradius_m);
-        struct ap_plane3 from = ap_physics_foot(&ph, 0, 0).foot_m;
+        struct ap_plane3 from = ap_physics_motion(&ph, 0, 0).foot_m;
         struct ap_strike s = {.direction = ap_physics_heading(&ph, 0, 0.3), .speed_m_s = 0.25};
         strike(&ph, 0, &s);
         double v = ap_plane2_length(ph.ball[0].velocity_m_s);
@@ -28,7 +28,7 @@ static void test_straight_shot(void **state) {
         assert_true(ap_physics_next(&ph, 60, &e));
         assert_int_equal(e.kind, AP_EVENT_STOP);
         way += 25.0 / 49 * v * v / (2 * 0.01 * 9.81);
-        struct ap_plane3 to = ap_physics_foot(&ph, 0, ph.now_s).foot_m;
+        struct ap_plane3 to = ap_physics_motion(&ph, 0, ph.now_s).foot_m;
         check_near(ap_plane_distance(ph.shape.space, ap_plane_chord2(kappa, from, to)), way, 1e-13);
         assert_true(ap_physics_at_rest(&ph));
         // On the geodesic that the heading names: the side distance from it is zero.
@@ -122,7 +122,7 @@ static void test_long_slide(void **state) {
         rk_step(ph.shape.space, f, v, b.acceleration_m_s2, t / 40000);
         v = ap_plane2_add(v, t / 40000, b.acceleration_m_s2);
     }
-    struct ap_plane3 foot = ap_physics_foot(&ph, 0, e.t_s).foot_m;
+    struct ap_plane3 foot = ap_physics_motion(&ph, 0, e.t_s).foot_m;
     check_near(foot.x, ph.shape.space.rho_m * f[0][2], 1e-12);
     check_near(foot.z, ph.shape.space.rho_m * f[1][2], 1e-12);
 }

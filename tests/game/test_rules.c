@@ -267,8 +267,8 @@ static void test_saved(void **state) {
         ap_game_advance(&g, 0.6, NULL, NULL);
         ap_game_advance(&again, 0.6, NULL, NULL);
         for (int i = 0; i < 10; i++)
-            check_near(ap_plane_chord2(kappa, ap_physics_foot(&g.physics, i, 0.6).foot_m,
-                                       ap_physics_foot(&again.physics, i, 0.6).foot_m),
+            check_near(ap_plane_chord2(kappa, ap_physics_motion(&g.physics, i, 0.6).foot_m,
+                                       ap_physics_motion(&again.physics, i, 0.6).foot_m),
                        0, 1e-16);
         assert_int_equal(again.facts.first_hit, g.facts.first_hit);
         assert_int_equal(again.facts.to_cushion, g.facts.to_cushion);
