@@ -284,6 +284,9 @@ static enum ap_status play_line(struct ap_error *err, struct ap_game *g,
     case AP_LINE_SHOT:
         return play_shot(err, g, l);
     case AP_LINE_PLACE:
+        // Without a place it is "if need be".
+        if (isnan(l->x_m) && !g->rules.in_hand)
+            return AP_OK;
         return isnan(l->x_m) ? ap_game_place_anywhere(err, g)
                              : ap_game_place(err, g, (struct ap_plane2){l->x_m, l->z_m});
     case AP_LINE_UNDO:

@@ -7,7 +7,8 @@
 
 // Play by script, a command a line, words and KEY=VALUE (docs/billiards.md):
 //   shot at=3 | angle=0.2 [turn=…] speed=2.5 [right=0.1] [above=-0.2] [elevation=0.1] [time=4.5]
-//   place x=0 z=0.3 | place        the cue ball in hand; without a place: the head spot or near it
+//   place x=0 z=0.3 | place        the cue ball in hand; without a place: the head spot or near it,
+//                                  if it is in hand
 //   undo
 //   set NAME=VALUE                 a constant of the physics, before everything else
 //   clear, ball n=3 x=… z=…        free play: another table
