@@ -16,6 +16,7 @@ static const char *const top_keys[] = {
 static const char *const log_keys[] = {"logs", "up", "head_frame", "skip_bad", "table_at", NULL};
 static const char *const script_keys[] = {"script",     "table_edge_m", "table_height_m",
                                           "duration_s", "seed",         NULL};
+static const char *const device_keys[] = {"devices", "position", "replay", "stats", NULL};
 static const char *const window_keys[] = {"window", NULL};
 static const char *const capture_keys[] = {"dir",    "frames", "layers", "composed",
                                            "format", "lens",   "log",    NULL};
@@ -212,19 +213,64 @@ static enum ap_status read_window(struct ap_error *err, const struct ap_json_at 
     return AP_OK;
 }
 
+// A list of words; of paths, made relative to the settings file's folder.
+static enum ap_status read_texts(struct ap_error *err, const struct ap_json_at *object,
+                                 const char *key, bool paths, struct sim_texts *texts) {
+    if (!ap_json_has(object, key))
+        return AP_OK;
+    struct ap_json_at list = ap_json_member(object, key);
+    size_t count = json_array_size(list.value);
+    if (!json_is_array(list.value) || count > 64)
+        return ap_json_fail(err, &list, "expected a list of at most 64 strings");
+    texts->text = calloc(count ? count : 1, sizeof *texts->text);
+    if (!texts->text)
+        return no_memory(err);
+    for (; texts->count < count; texts->count++) {
+        struct ap_json_at at = ap_json_element(&list, texts->count);
+        const char *text = json_string_value(at.value);
+        if (!text || !*text)
+            return ap_json_fail(err, &at, "expected a string that is not empty");
+        char *copy = paths ? resolve_path(object->parent->file, text) : strdup(text);
+        texts->text[texts->count] = copy;
+        if (!copy)
+            return no_memory(err);
+    }
+    return AP_OK;
+}
+
+static enum ap_status read_devices(struct ap_error *err, const struct ap_json_at *poses,
+                                   struct sim_settings *s) {
+    s->poses = SIM_POSES_DEVICES;
+    enum ap_status st = ap_json_check_keys(err, poses, device_keys);
+    if (!st)
+        st = read_texts(err, poses, "devices", false, &s->devices.assign);
+    if (!st)
+        st = read_texts(err, poses, "position", false, &s->devices.position);
+    if (!st)
+        st = read_texts(err, poses, "replay", true, &s->devices.replay);
+    if (!st && ap_json_has(poses, "stats"))
+        st = ap_json_bool(err, poses, "stats", &s->devices.stats);
+    return st;
+}
+
 static enum ap_status read_poses(struct ap_error *err, const struct ap_json_at *root,
                                  struct sim_settings *s) {
     static const struct {
         const char *key; // that tells the kind
         enum ap_status (*read)(struct ap_error *err, const struct ap_json_at *poses,
                                struct sim_settings *s);
-    } kinds[] = {{"logs", read_logs}, {"script", read_script}, {"window", read_window}};
+    } kinds[] = {{"logs", read_logs},
+                 {"script", read_script},
+                 {"window", read_window},
+                 {"devices", read_devices}};
     struct ap_json_at poses = ap_json_member(root, "poses");
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (json_object_get(poses.value, kinds[i].key))
             return kinds[i].read(err, &poses, s);
     enum ap_status st = ap_json_check_keys(err, &poses, (const char *const[]){NULL});
-    return st ? st : ap_json_fail(err, &poses, "expected \"logs\", \"script\" or \"window\"");
+    return st ? st
+              : ap_json_fail(err, &poses,
+                             "expected \"logs\", \"script\", \"window\" or \"devices\"");
 }
 
 static enum ap_status read_flag(struct ap_error *err, const struct ap_json_at *object,
@@ -410,6 +456,10 @@ static enum ap_status read_all(struct ap_error *err, const struct ap_json_at *ro
     if (!st)
         st = read_choice(err, root, "clock", "real", "virtual", &virtual_clock);
     s->clock = virtual_clock ? SIM_CLOCK_VIRTUAL : SIM_CLOCK_REAL;
+    if (!st && virtual_clock && s->poses == SIM_POSES_DEVICES) {
+        struct ap_json_at at = ap_json_member(root, "clock");
+        st = ap_json_fail(err, &at, "devices move in real time: expected \"real\"");
+    }
     if (!st)
         st = read_positive(err, root, "refresh_hz", 10000, &s->profile.refresh_hz);
     if (!st)
@@ -458,7 +508,16 @@ enum ap_status sim_settings_read(struct ap_error *err, const char *path,
     return AP_OK;
 }
 
+static void free_texts(struct sim_texts *texts) {
+    for (size_t i = 0; i < texts->count; i++)
+        free(texts->text[i]);
+    free(texts->text);
+}
+
 void sim_settings_finish(struct sim_settings *settings) {
+    free_texts(&settings->devices.assign);
+    free_texts(&settings->devices.position);
+    free_texts(&settings->devices.replay);
     for (size_t i = 0; i < settings->log_count; i++)
         free(settings->logs[i]);
     free(settings->logs);

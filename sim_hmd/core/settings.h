@@ -13,7 +13,7 @@
 
 // The simulated headset's settings: README.md's table. Read once, at xrCreateInstance.
 
-enum sim_poses { SIM_POSES_WALK, SIM_POSES_LOGS, SIM_POSES_WINDOW };
+enum sim_poses { SIM_POSES_WALK, SIM_POSES_LOGS, SIM_POSES_WINDOW, SIM_POSES_DEVICES };
 enum { SIM_MAX_RATES = 16, SIM_MAX_RECENTRE_TIMES = 64 };
 enum sim_clock { SIM_CLOCK_REAL, SIM_CLOCK_VIRTUAL };
 
@@ -27,6 +27,17 @@ enum sim_layout {
     SIM_LAYOUT_COUNT
 };
 
+struct sim_texts {
+    char **text;
+    size_t count;
+};
+
+// poses {"devices": …}: src/device/live/live.h says what they mean.
+struct sim_device_settings {
+    struct sim_texts assign, position, replay;
+    bool stats;
+};
+
 struct sim_settings {
     struct ap_headset_profile profile; // refresh_hz already overridden
     double rates_hz[SIM_MAX_RATES];    // that a program may ask for, rising; the profile's is one
@@ -35,6 +46,7 @@ struct sim_settings {
     enum sim_clock clock;
     char **logs; // "[role=]PATH", paths made absolute or relative to the process
     size_t log_count;
+    struct sim_device_settings devices;
     char *hands;   // recorded bare hands; NULL: none
     char **inputs; // input logs
     size_t input_count;

@@ -40,6 +40,7 @@ struct sim_poses_kind {
     bool learns;
 };
 
-extern const struct sim_poses_kind sim_poses_walk, sim_poses_logs, sim_poses_window;
+extern const struct sim_poses_kind sim_poses_walk, sim_poses_logs, sim_poses_window,
+    sim_poses_devices;
 
 #endif

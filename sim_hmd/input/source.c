@@ -14,6 +14,7 @@ static const struct sim_poses_kind *const kinds[] = {
     [SIM_POSES_WALK] = &sim_poses_walk,
     [SIM_POSES_LOGS] = &sim_poses_logs,
     [SIM_POSES_WINDOW] = &sim_poses_window,
+    [SIM_POSES_DEVICES] = &sim_poses_devices,
 };
 
 // Poses that were asked for last, so that the calls of a frame, which all ask for its display time

@@ -1,6 +1,8 @@
 #ifndef ANTIPODE_APP_LIVE_OPTIONS_H
 #define ANTIPODE_APP_LIVE_OPTIONS_H
 
+#include <jansson.h>
+
 #include "src/app/command.h"
 #include "src/device/live/live.h"
 
@@ -22,6 +24,17 @@ struct ap_live_options {
 // The machine's buses or, with --replay, those recordings alone. `base` says the rest.
 enum ap_status ap_live_options_open(struct ap_error *err, const struct ap_live_options *options,
                                     const struct ap_live_params *base, struct ap_live **live);
+
+// Whether any of them is given.
+bool ap_live_options_given(const struct ap_live_options *options);
+
+// The simulated headset's setting "poses" that says the same; NULL without memory, or for a path
+// that is not UTF-8. stats: it says at its end how old poses were.
+json_t *ap_live_options_json(const struct ap_live_options *options, bool stats);
+
+// Whether a tracker is plugged in that a driver knows and that we may open; one that we may not is
+// said on standard error.
+bool ap_live_is_plugged(void);
 
 // From now on Ctrl-C and SIGTERM only set this.
 void ap_catch_end(void);

@@ -6,11 +6,13 @@
 #include <unistd.h>
 
 #include "src/app/command.h"
+#include "src/app/live_options.h"
 #include "src/app/logs.h"
 #include "src/app/play/session.h"
 #include "src/app/play/simulated.h"
 #include "src/app/runtime.h"
 #include "src/base/clock.h"
+#include "src/base/log.h"
 
 static const char help[] =
     "The room, live: on the OpenXR runtime that is active on this machine, or, where none is (or\n"
@@ -21,7 +23,9 @@ static const char help[] =
     "controller switches between native and tourist view, B on a right one shuts an eye, the other,\n"
     "neither; the left stick pressed (F12) takes a picture of both eyes. Ctrl-C or closing the window\n"
     "ends it. With a LOG the simulated headset replays it in real time instead of listening to the\n"
-    "keys. Detail is chosen for 30 frames a second, and said, unless the settings say full.\n" AP_LOG_HELP;
+    "keys. Trackers that are plugged in move head and hands by themselves (antipode devices lists\n"
+    "them), the keys what has none; R or a button of theirs makes where everybody looks the front.\n"
+    "Detail is chosen for 30 frames a second, and said, unless the settings say full.\n" AP_LOG_HELP;
 
 static volatile sig_atomic_t signalled;
 
@@ -37,6 +41,8 @@ static bool end_asked(void) {
 struct play_options {
     struct ap_room_options room;
     const char *headset, *stereo, *pictures, *clock;
+    struct ap_live_options live;
+    bool no_devices;
     struct ap_text_list inputs;
     bool simulated, no_window, older_vulkan, stats, no_settings;
     double seconds;
@@ -46,13 +52,28 @@ static bool is_virtual(const struct play_options *o) {
     return o->clock && strcmp(o->clock, "virtual") == 0;
 }
 
+// What is plugged in is used without being asked for.
+static bool use_devices(const struct play_options *o, bool given, int log_count) {
+    if (given || log_count > 0 || o->no_devices || is_virtual(o) || !ap_live_is_plugged())
+        return given;
+    ap_log(AP_LOG_INFO, "play: trackers are plugged in and move head and hands (--no-devices: the "
+                        "keys do)");
+    return true;
+}
+
 // The active runtime, or the simulated headset where there is none.
 static enum ap_status choose_runtime(struct ap_error *err, const struct play_options *o,
                                      char **logs, int log_count, char settings[64],
                                      bool *simulated) {
     char *configured = ap_runtime_configured();
-    *simulated = o->simulated || log_count > 0 || o->headset || !configured;
+    bool given = ap_live_options_given(&o->live);
+    *simulated = o->simulated || log_count > 0 || o->headset || given || !configured;
     free(configured);
+    if (given && log_count > 0)
+        return ap_fail(err, AP_USAGE,
+                       "--device, --position, --replay: where the head is can come "
+                       "from a log or from devices, not from both");
+    bool live = *simulated && use_devices(o, given, log_count);
     char *inputs[AP_TEXT_LIST_MAX];
     for (size_t i = 0; i < o->inputs.count; i++)
         inputs[i] = (char *)(uintptr_t)o->inputs.text[i];
@@ -64,7 +85,9 @@ static enum ap_status choose_runtime(struct ap_error *err, const struct play_opt
                                           .logs = logs,
                                           .inputs = inputs,
                                           .log_count = log_count,
-                                          .input_count = (int)o->inputs.count};
+                                          .input_count = (int)o->inputs.count,
+                                          .live = live ? &o->live : NULL,
+                                          .stats = o->stats};
     return *simulated ? ap_play_simulate(err, &how, settings) : AP_OK;
 }
 
@@ -115,6 +138,8 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
     struct play_options o = {.room = AP_ROOM_OPTIONS_NONE, .seconds = NAN};
     const struct ap_option options[] = {
         AP_ROOM_OPTION_TABLE(o.room),
+        AP_LIVE_OPTION_TABLE(o.live),
+        {"no-devices", AP_OPTION_FLAG, &o.no_devices, "", "not what is plugged in, but the keys"},
         {"headset", AP_OPTION_TEXT, &o.headset, "FILE", "profile of the simulated headset"},
         {"stereo", AP_OPTION_CHOICE, &o.stereo, "pair|cross|anaglyph",
          "both eyes in the window (default: the left one)"},

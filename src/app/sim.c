@@ -14,7 +14,8 @@
 
 static const char help[] =
     "Runs PROGRAM, any OpenXR program that draws with Vulkan, on the simulated headset: without a\n"
-    "headset, a graphics card or a display. Poses come from pose logs (docs/pose-logs.md), else from\n"
+    "headset, a graphics card or a display. Poses come from pose logs (docs/pose-logs.md), or live from\n"
+    "plugged-in trackers with --devices, --device, --position or --replay, else from\n"
     "keyboard and mouse with --window, else from a scripted walk; buttons and sticks from input logs\n"
     "(docs/input-logs.md). With --clock virtual time goes on by one frame as soon as the program has\n"
     "ended one, and a run repeats; --capture DIR keeps what each eye was shown, and the settings as\n"
@@ -157,7 +158,10 @@ static enum ap_status run_sim(struct ap_error *err, int argc, char **argv) {
     const struct ap_option options[] = {
         {"headset", AP_OPTION_TEXT, &o.headset, "FILE",
          "headset profile, or standard, wide, ci (standard)"},
-        {"poses", AP_OPTION_LIST, &o.poses, "LOG", "[ROLE=]FILE[,KEY=VALUE...], a pose log; may be repeated"},
+        {"poses", AP_OPTION_LIST, &o.poses, "LOG",
+         "[ROLE=]FILE[,KEY=VALUE...], a pose log; may be repeated"},
+        {"devices", AP_OPTION_FLAG, &o.devices, "", "poses from what is plugged in"},
+        AP_LIVE_OPTION_TABLE(o.live),
         {"input", AP_OPTION_LIST, &o.inputs, "LOG", "buttons and sticks by time; may be repeated"},
         {"hands", AP_OPTION_TEXT, &o.hands, "FILE", "recorded bare hands, for hand tracking"},
         {"recentre", AP_OPTION_LIST, &o.recentre_s, "S",

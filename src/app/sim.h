@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "src/app/command.h"
+#include "src/app/live_options.h"
 #include "src/app/logs.h"
 
 // `antipode sim`: sim.c reads the command line and tells how it ended, sim_settings.c writes the
@@ -14,6 +15,8 @@
 struct ap_sim_options {
     const char *headset; // NULL: standard
     struct ap_text_list poses, inputs, recentre_s;
+    struct ap_live_options live;
+    bool devices;      // what is plugged in, whatever it is
     const char *hands; // NULL: none recorded
     struct ap_log_options logs;
     const char *clock;

@@ -101,10 +101,29 @@ static bool wants_capture(const struct ap_sim_options *o) {
     return o->capture_frames || o->layers || o->lens || o->format || o->log || o->force;
 }
 
+static bool is_live(const struct ap_sim_options *o) {
+    return o->devices || ap_live_options_given(&o->live);
+}
+
+static enum ap_status check_devices(struct ap_error *err, const struct ap_sim_options *o) {
+    bool live = is_live(o);
+    if (live && o->poses.count)
+        return ap_fail(err, AP_USAGE,
+                       "--poses and --devices: where the head is can come from "
+                       "logs or from devices, not from both");
+    if (live && strcmp(o->clock, "real") != 0)
+        return ap_fail(err, AP_USAGE,
+                       "--clock virtual: devices move in real time; for a run that "
+                       "repeats, give the recording to --poses");
+    return AP_OK;
+}
+
 enum ap_status ap_sim_check(struct ap_error *err, const struct ap_sim_options *o) {
     struct ap_range range;
     double x, z, yaw;
     enum ap_status st = check_numbers(err, o);
+    if (!st)
+        st = check_devices(err, o);
     if (!st && !o->capture && wants_capture(o))
         st = ap_fail(err, AP_USAGE,
                      "--capture-frames, --layers, --lens, --format, --log and --force need "
@@ -164,6 +183,8 @@ static bool set(json_t *object, const char *key, json_t *value) {
 }
 
 static json_t *poses_json(const struct ap_sim_options *o) {
+    if (is_live(o))
+        return ap_live_options_json(&o->live, true);
     if (!o->poses.count)
         return o->window ? json_pack("{s:b}", "window", 1) : json_pack("{s:s}", "script", "walk");
     json_t *logs = json_array();

@@ -12,7 +12,7 @@
 // read at the same time; nobody waits for anybody: a ring of slots, each with a sequence number
 // that is odd while it is written. No allocation, no clock.
 
-enum { AP_HISTORY_SLOTS = 256, AP_HISTORY_WORDS = 13 };
+enum { AP_HISTORY_SLOTS = 1024, AP_HISTORY_WORDS = 13 };
 
 // 0 means the value behind; docs/fusion.md has the measurements it comes from.
 struct ap_history_params {

@@ -68,6 +68,8 @@ static json_t *absolute(char *const *paths, int count, bool logs) {
 static json_t *poses_of(const struct ap_play_simulated *how) {
     if (how->log_count > 0)
         return json_pack("{s:o}", "logs", absolute(how->logs, how->log_count, true));
+    if (how->live)
+        return ap_live_options_json(how->live, how->stats);
     if (how->window)
         return json_pack("{s:b}", "window", 1);
     json_t *walk = json_pack("{s:s}", "script", "walk");

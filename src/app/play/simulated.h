@@ -3,6 +3,7 @@
 
 #include <stdbool.h>
 
+#include "src/app/live_options.h"
 #include "src/base/status.h"
 
 // The simulated headset as `antipode play` wants it: at the desk, or replaying logs in real time.
@@ -14,6 +15,8 @@ struct ap_play_simulated {
     double walk_s;       // how long the scripted walk is; NAN: its default
     char *const *logs, *const *inputs; // pose logs instead of the keys; input logs
     int log_count, input_count;
+    const struct ap_live_options *live; // poses from devices; NULL: not
+    bool stats;                         // they say at the end how old poses were
 };
 
 // Writes the runtime's settings to a temporary file, whose path it gives, and makes the simulated
