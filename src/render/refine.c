@@ -15,7 +15,8 @@ static const double BULGE = 0.6;
 // How far an edge's middle may be from its distance, of that distance: part_guard.frag drops what
 // is 5 % off.
 static const double DEPTH_SHARE = 0.02;
-enum { NOT_CUT = UINT32_MAX, AROUND = 8, DEEPEST = 60 };
+static const uint32_t NOT_CUT = UINT32_MAX;
+enum { AROUND = 8, DEEPEST = 60 };
 
 struct ap_refine_node {
     struct ap_surface_point point;
