@@ -4,12 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/render/disc.h"
+
 static const double PI = 3.14159265358979323846;
 
 enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
                                    struct ap_draw_list *list) {
     memset(list, 0, sizeof *list);
-    list->items = calloc(4 * part_count + 1, sizeof *list->items);
+    list->items = calloc(8 * part_count + 1, sizeof *list->items);
     if (!list->items)
         return ap_fail(err, AP_ENVIRONMENT, "no memory to draw %zu parts", part_count);
     return AP_OK;
@@ -26,6 +28,8 @@ static int compare_items(const void *left, const void *right) {
     const struct ap_draw_item *a = left, *b = right;
     if (a->pipeline != b->pipeline)
         return a->pipeline < b->pipeline ? -1 : 1;
+    if (a->far_m != b->far_m)
+        return a->far_m > b->far_m ? -1 : 1;
     if (a->refined != b->refined)
         return a->refined ? 1 : -1;
     if (a->mesh.first_index != b->mesh.first_index)
@@ -35,10 +39,13 @@ static int compare_items(const void *left, const void *right) {
     return a->image != b->image ? a->image - b->image : a->way - b->way;
 }
 
-static void count(struct ap_draw_list *list, const struct ap_draw_item *item, unsigned eyes) {
+// Counts it for the eyes of `of`: drawn, or culled where it is not for them.
+static void count(struct ap_draw_list *list, const struct ap_draw_item *item, unsigned of) {
     for (int e = 0; e < 2; e++) {
+        if (!(of >> e & 1))
+            continue;
         struct ap_eye_stats *stats = &list->stats.eye[e];
-        if (!(eyes >> e & 1)) {
+        if (!(item->eyes >> e & 1)) {
             stats->culled++;
             continue;
         }
@@ -75,25 +82,32 @@ static bool born_way(const struct ap_viewer *viewer, double near_m, double far_m
 }
 
 static void add_image(struct ap_draw_list *list, const struct ap_viewer *viewer,
-                      struct ap_draw_item item, double near_m, double far_m) {
+                      struct ap_draw_item item, unsigned of, double near_m, double far_m) {
     bool any = false, guard = item.pipeline == AP_PIPELINE_GUARD;
     for (int way = 0; way < 2; way++) {
         bool across = false;
         if (!born_way(viewer, near_m, far_m, way, &across))
+            continue;
+        // A disc is all on one side of her antipode.
+        bool disc = item.pipeline == AP_PIPELINE_DISC,
+             behind = viewer->mode == AP_VIEW_BORN && viewer->born.kappa > 0 &&
+                      near_m + far_m > 2 * PI * viewer->born.rho_m;
+        if (disc && behind != (way == 1))
             continue;
         // Of what is culled too, so that culling changes nothing in the picture.
         bool born = viewer->mode == AP_VIEW_BORN;
         note_range(list, born ? way : item.image, near_m, far_m);
         any = true;
         item.way = way;
-        if (across && !guard)
+        if (across && !guard && !disc)
             item.pipeline = AP_PIPELINE_GUARD;
         if (item.eyes != 0)
             list->items[list->count++] = item;
-        count(list, &item, item.eyes);
+        count(list, &item, of);
     }
+    item.eyes = 0;
     if (!any)
-        count(list, &item, 0);
+        count(list, &item, of);
 }
 
 // What the bound costs: a mesh of more triangles made ahead gives way to one made for this frame,
@@ -108,9 +122,8 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct ap_list_par
     const struct ap_shape *shape =
         &params->meshes->shapes[params->meshes->shape_of_part[item->part]];
     int level;
-    // Unlit parts are what is measured.
-    double max_error_px = part->lit ? params->max_error_px : fmin(params->max_error_px, 0.05);
-    bool held = ap_choose_level(viewer, params->eyes, part, shape, place, max_error_px, &level);
+    bool held =
+        ap_choose_level(viewer, params->eyes, part, shape, place, params->max_error_px, &level);
     item->mesh = shape->mesh[level];
     size_t used = list->refined.index_count / 3;
     if (part->kind == AP_PART_SOLID || (held && item->mesh.index_count / 3 <= AHEAD_MAX) ||
@@ -122,7 +135,7 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct ap_list_par
                                             .eyes = params->eyes,
                                             .nose_from_part = item->nose_from_part,
                                             .image = item->image,
-                                            .max_error_px = max_error_px,
+                                            .max_error_px = params->max_error_px,
                                             .closed = item->pipeline == AP_PIPELINE_CLOSED ||
                                                       item->pipeline == AP_PIPELINE_FINISH,
                                             .triangles_max = REFINED_MAX - used};
@@ -132,6 +145,44 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct ap_list_par
         ap_refine_part(err, &list->refiner, &refine, part, &list->refined, &item->mesh, &held);
     list->stats.beyond_bound += st == AP_OK && !held;
     return st;
+}
+
+// An unlit ball as a disc with a computed rim, for the eyes that see it well; those it leaves in
+// item->eyes get a mesh. *of: the eyes that it is counted for.
+static enum ap_status add_disc(struct ap_error *err, const struct ap_list_params *params,
+                               struct ap_draw_list *list, struct ap_draw_item *item,
+                               const double range_m[2], unsigned *of) {
+    const struct ap_viewer *viewer = &params->input->viewer;
+    const struct ap_part *part = &params->scene->parts[item->part];
+    struct ap_vec4 base = {0, 0, 0, viewer->space.rho_m};
+    struct ap_vec4 centre = ap_iso_apply(&item->nose_from_part, base);
+    const struct ap_disc_params disc = {.viewer = viewer,
+                                        .width_px = params->width_px,
+                                        .height_px = params->height_px,
+                                        .world_centre =
+                                            ap_iso_apply(&viewer->world_from_nose, centre),
+                                        .radius_m = part->radius_m,
+                                        .image = item->image};
+    struct ap_draw_item drawn = *item;
+    drawn.eyes = 0;
+    drawn.pipeline = AP_PIPELINE_DISC;
+    drawn.refined = true;
+    drawn.far_m = range_m[1];
+    drawn.mesh = ap_mesh_data_begin(&list->refined);
+    enum ap_status st = AP_OK;
+    for (int e = 0; st == AP_OK && e < 2; e++) {
+        bool made = false;
+        if (item->eyes >> e & 1)
+            st = ap_disc_append(err, &disc, e, &list->refined, drawn.mesh.first_vertex, &made);
+        drawn.eyes |= made ? 1u << e : 0;
+    }
+    *of = 3 & ~drawn.eyes;
+    item->eyes &= ~drawn.eyes;
+    if (st != AP_OK || drawn.eyes == 0)
+        return st;
+    ap_mesh_data_end(&list->refined, &drawn.mesh);
+    add_image(list, viewer, drawn, drawn.eyes, range_m[0], range_m[1]);
+    return AP_OK;
 }
 
 static enum ap_status add_part(struct ap_error *err, const struct ap_list_params *params,
@@ -149,14 +200,19 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
                                     .image = image,
                                     .eyes = place.eyes[image] & open_eyes,
                                     .nose_from_part = place.nose_from_part};
-        if (item.eyes != 0) {
-            bool guard = ap_needs_guard(viewer, params->eyes, &place);
+        const double range_m[2] = {image ? turn - place.far_m : place.near_m,
+                                   image ? turn - place.near_m : place.far_m};
+        bool guard = item.eyes != 0 && ap_needs_guard(viewer, params->eyes, &place);
+        unsigned of = 3;
+        if (item.eyes != 0 && part->kind == AP_PART_BALL && !part->lit &&
+            ap_clear_of_eyes(viewer, params->eyes, &place))
+            st = add_disc(err, params, list, &item, range_m, &of);
+        if (st == AP_OK && item.eyes != 0) {
             item.pipeline = pipeline_for(part, guard);
             st = choose_mesh(err, params, &place, list, &item);
         }
-        if (st == AP_OK)
-            add_image(list, viewer, item, image ? turn - place.far_m : place.near_m,
-                      image ? turn - place.near_m : place.far_m);
+        if (st == AP_OK && of != 0)
+            add_image(list, viewer, item, of, range_m[0], range_m[1]);
     }
     return st;
 }

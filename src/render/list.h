@@ -15,11 +15,12 @@ struct ap_draw_item {
     enum ap_pipeline_kind pipeline;
     bool refined; // mesh lies in the list's own data, not in the scene's
     struct ap_mesh mesh;
+    double far_m; // discs: their order
     struct ap_iso nose_from_part;
 };
 
 struct ap_draw_list {
-    struct ap_draw_item *items; // 4·part_count
+    struct ap_draw_item *items; // 8·part_count
     size_t count;
     struct ap_depth_range range;
     struct ap_frame_stats stats;
@@ -33,6 +34,7 @@ struct ap_list_params {
     const struct ap_meshes *meshes;
     const struct ap_frame_input *input;
     const struct ap_eyes *eyes;
+    uint32_t width_px, height_px; // of the pictures that are drawn
     double max_error_px;
     bool no_cull;
 };

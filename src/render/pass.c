@@ -3,6 +3,9 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "shaders/disc.frag.spv.h"
+#include "shaders/disc.vert.spv.h"
+#include "shaders/disc_single.vert.spv.h"
 #include "shaders/part.frag.spv.h"
 #include "shaders/part.vert.spv.h"
 #include "shaders/part_finish.frag.spv.h"
@@ -117,7 +120,7 @@ static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *g
 
 static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu *gpu,
                                       const struct ap_pass_params *params, VkRenderPass render_pass,
-                                      const VkShaderModule shader[6], int kind, VkPipeline *made) {
+                                      const VkShaderModule shader[8], int kind, VkPipeline *made) {
     static const VkVertexInputBindingDescription binding = {0, sizeof(struct ap_vertex),
                                                             VK_VERTEX_INPUT_RATE_VERTEX};
     static const VkVertexInputAttributeDescription attributes[2] = {
@@ -130,9 +133,11 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
         .vertexAttributeDescriptionCount = 2,
         .pVertexAttributeDescriptions = attributes};
     bool closed = kind == AP_PIPELINE_CLOSED || kind == AP_PIPELINE_FINISH;
-    int set = kind == AP_PIPELINE_GUARD                                           ? 1
-              : kind == AP_PIPELINE_FINISH || kind == AP_PIPELINE_FINISH_TWOSIDED ? 2
-                                                                                  : 0;
+    static const int SET[AP_PIPELINE_COUNT] = {[AP_PIPELINE_GUARD] = 1,
+                                               [AP_PIPELINE_FINISH] = 2,
+                                               [AP_PIPELINE_FINISH_TWOSIDED] = 2,
+                                               [AP_PIPELINE_DISC] = 3};
+    int set = SET[kind];
     struct ap_pipeline_params pipeline = {.vertex = shader[2 * set],
                                           .fragment = shader[2 * set + 1],
                                           .input = &input,
@@ -142,6 +147,7 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
                                           .cull =
                                               closed ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
                                           .depth = true,
+                                          .blend = kind == AP_PIPELINE_DISC,
                                           .layout = params->layout,
                                           .render_pass = render_pass};
     return ap_pipeline_create(err, gpu, &pipeline, made);
@@ -152,26 +158,30 @@ static enum ap_status create_pipelines(struct ap_error *err, const struct ap_gpu
     static const struct {
         const uint32_t *words;
         size_t bytes;
-    } code[2][6] = {{{part_single_vert, sizeof part_single_vert},
+    } code[2][8] = {{{part_single_vert, sizeof part_single_vert},
                      {part_frag, sizeof part_frag},
                      {part_single_guard_vert, sizeof part_single_guard_vert},
                      {part_guard_frag, sizeof part_guard_frag},
                      {part_single_finish_vert, sizeof part_single_finish_vert},
-                     {part_finish_frag, sizeof part_finish_frag}},
+                     {part_finish_frag, sizeof part_finish_frag},
+                     {disc_single_vert, sizeof disc_single_vert},
+                     {disc_frag, sizeof disc_frag}},
                     {{part_vert, sizeof part_vert},
                      {part_frag, sizeof part_frag},
                      {part_guard_vert, sizeof part_guard_vert},
                      {part_guard_frag, sizeof part_guard_frag},
                      {part_finish_vert, sizeof part_finish_vert},
-                     {part_finish_frag, sizeof part_finish_frag}}};
-    VkShaderModule shader[6] = {0};
+                     {part_finish_frag, sizeof part_finish_frag},
+                     {disc_vert, sizeof disc_vert},
+                     {disc_frag, sizeof disc_frag}}};
+    VkShaderModule shader[8] = {0};
     enum ap_status st = AP_OK;
-    for (int i = 0; st == AP_OK && i < 6; i++)
+    for (int i = 0; st == AP_OK && i < 8; i++)
         st = ap_gpu_shader(err, gpu, code[pass->views - 1][i].words, code[pass->views - 1][i].bytes,
                            &shader[i]);
     for (int k = 0; st == AP_OK && k < AP_PIPELINE_COUNT; k++)
         st = create_pipeline(err, gpu, params, pass->render_pass, shader, k, &pass->pipeline[k]);
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 8; i++)
         vkDestroyShaderModule(gpu->device, shader[i], NULL);
     return st;
 }

@@ -3,13 +3,14 @@
 
 #include "src/gpu/gpu.h"
 
-// A graphics pipeline for triangles, one colour attachment, no blending.
+// A graphics pipeline for triangles, one colour attachment.
 struct ap_pipeline_params {
     VkShaderModule vertex, fragment;
     const VkPipelineVertexInputStateCreateInfo *input; // NULL: no vertex buffers
     uint32_t width, height;
     VkSampleCountFlagBits samples;
     VkCullModeFlags cull;
+    bool blend; // over what is there, by alpha
     bool depth; // test and write, reversed: greater is nearer
     VkPipelineLayout layout;
     VkRenderPass render_pass;

@@ -91,6 +91,13 @@ bool ap_needs_guard(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
     return viewer->space.kappa > 0 && place->far_m > PI * rho - fmax(eye, 0.3 * rho);
 }
 
+bool ap_clear_of_eyes(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                      const struct ap_place *place) {
+    double eye = eyes->reach_m + 2 * AP_NEAR_M;
+    return place->near_m >= eye &&
+           (viewer->space.kappa <= 0 || place->far_m <= PI * viewer->space.rho_m - eye);
+}
+
 // Pixels a radian, at most, anywhere that the part is seen: off the axis angles are stretched.
 static double pixels_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                         const struct ap_part *part, const struct ap_place *place) {

@@ -33,4 +33,8 @@ bool ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
 bool ap_needs_guard(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                     const struct ap_place *place);
 
+// Whether nothing of it comes within the forbidden distance of an eye or an antipode.
+bool ap_clear_of_eyes(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                      const struct ap_place *place);
+
 #endif

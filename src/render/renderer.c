@@ -446,6 +446,8 @@ enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
                                         .meshes = &r->meshes,
                                         .input = input,
                                         .eyes = &eyes,
+                                        .width_px = r->across * r->params.width,
+                                        .height_px = r->across * r->params.height,
                                         .max_error_px = r->max_error_px,
                                         .no_cull = r->params.no_cull};
     st = ap_draw_list_fill(err, &what, &r->list);

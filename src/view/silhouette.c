@@ -288,6 +288,55 @@ bool ap_ball_silhouette(const struct ap_viewer *viewer, int eye, struct ap_vec4 
     return seen;
 }
 
+static bool tourist_points(const struct ap_viewer *viewer, int eye, struct ap_vec4 world_centre,
+                           double radius_m, int image, int count, struct ap_outline_point *points) {
+    struct ap_silhouette whole;
+    if (!tourist_outline(viewer, eye, world_centre, radius_m, image, &whole))
+        return false;
+    struct ap_iso eye_from_nose = ap_eye_from_nose(viewer, eye);
+    struct ap_vec4 p = ap_iso_apply(&eye_from_nose, ap_nose_from_world(viewer, world_centre).x);
+    struct ap_vec3 v = {p.x, p.y, p.z};
+    struct ap_vec3 u = ap_vec3_scale(image ? -1 : 1, ap_vec3_normalize(v));
+    double rho = viewer->space.rho_m;
+    double sine = ap_space_sin(viewer->space, radius_m / rho) / (ap_vec3_length(v) / rho);
+    double cosine = sqrt(1 - sine * sine);
+    struct ap_vec3 any = fabs(u.x) < 0.7 ? (struct ap_vec3){1, 0, 0} : (struct ap_vec3){0, 1, 0};
+    struct ap_vec3 e1 = ap_vec3_normalize(ap_vec3_cross(u, any)), e2 = ap_vec3_cross(u, e1);
+    for (int k = 0; k < count; k++) {
+        double turn = 2 * M_PI * k / count;
+        struct ap_vec3 aside =
+            ap_vec3_add(ap_vec3_scale(cos(turn), e1), ap_vec3_scale(sin(turn), e2));
+        points[k].line = ap_vec3_add(ap_vec3_scale(cosine, u), ap_vec3_scale(sine, aside));
+    }
+    return true;
+}
+
+bool ap_ball_outline(const struct ap_viewer *viewer, int eye, struct ap_vec4 world_centre,
+                     double radius_m, int image, int count, struct ap_outline_point *points,
+                     struct ap_outline_point *nearest) {
+    double a, b;
+    if (!(radius_m > 0) || !ap_direction(viewer, eye, world_centre, image, &a, &b))
+        return false;
+    if (viewer->mode == AP_VIEW_TOURIST)
+        return tourist_points(viewer, eye, world_centre, radius_m, image, count, points);
+    struct ball_view v;
+    if (!ball_view_init(&v, viewer, eye, world_centre, radius_m, image) || eye_inside(&v) ||
+        !one_way_round(&v))
+        return false;
+    double rho = viewer->space.rho_m;
+    for (int k = 0; k < count; k++) {
+        struct ap_vec3 q;
+        if (!outline_point(&v, 2 * M_PI * k / count, &q))
+            return false;
+        points[k] = (struct ap_outline_point){line_to(&v, q), ap_vec3_scale(rho, q)};
+        if (!(-points[k].line.z > limit_cos))
+            return false;
+    }
+    struct ap_vec3 pole = surface_point(&v, 1e-9, 1, 0);
+    *nearest = (struct ap_outline_point){line_to(&v, pole), ap_vec3_scale(rho, pole)};
+    return true;
+}
+
 double ap_vergence_of(struct ap_vec3 dir_left, struct ap_vec3 dir_right) {
     return atan2(dir_left.x, -dir_left.z) - atan2(dir_right.x, -dir_right.z);
 }

@@ -21,6 +21,20 @@ struct ap_silhouette {
 bool ap_ball_silhouette(const struct ap_viewer *viewer, int eye, struct ap_vec4 world_centre,
                         double radius_m, int image, struct ap_silhouette *out);
 
+// A point of the outline: its line of sight, unit, in the eye's axes; of the surface there, the
+// tangent point (not in tourist view, where the distance along the line says it).
+struct ap_outline_point {
+    struct ap_vec3 line;
+    struct ap_vec3 tangent_m;
+};
+
+// count points of the same outline, in order around it, evenly in an angle about its middle: a
+// smooth closed curve. *nearest: of the surface, what faces the eye; its line is meaningless in
+// tourist view. False as ap_ball_silhouette.
+bool ap_ball_outline(const struct ap_viewer *viewer, int eye, struct ap_vec4 world_centre,
+                     double radius_m, int image, int count, struct ap_outline_point *points,
+                     struct ap_outline_point *nearest);
+
 // Vergence of a direction pair in VIEW axes: atan2(x_L, −z_L) − atan2(x_R, −z_R), radians.
 double ap_vergence_of(struct ap_vec3 dir_left, struct ap_vec3 dir_right);
 

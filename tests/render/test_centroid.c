@@ -11,7 +11,7 @@
 #include "tests/render/stage.h"
 
 enum { WIDTH = 520, HEIGHT = 480, BALLS = 8, FRAMES_EACH = 12 };
-static const double TOLERANCE_PX = 0.08;
+static const double TOLERANCE_PX = 0.006;
 
 static int image; // 1: s3's long way round
 static uint64_t seed = 20;
@@ -158,7 +158,7 @@ static int one_kind(struct stage *stage, struct ap_renderer *renderer, struct ap
     }
     bool bad = !(worst.px <= TOLERANCE_PX) || worst.measured < frames;
     printf(
-        "%s image %d %s: %d centroids, worst miss %.4f px (tolerance %.2f) at %.3f rho, rho %.3f "
+        "%s image %d %s: %d centroids, worst miss %.4f px (tolerance %.3f) at %.3f rho, rho %.3f "
         "m%s\n",
         ap_space_name((struct ap_space){kappa, 1}), image, ap_view_mode_name(mode), worst.measured,
         worst.px, TOLERANCE_PX, worst.distance_over_rho, worst.rho, bad ? "  FAILED" : "");
