@@ -234,6 +234,12 @@ struct ap_iso ap_physics_world_from_ball(const struct ap_physics *ph, int ball) 
     return ap_iso_mul(ap_iso_mul(foot, up), ap_iso_rotate(b.foot_from_ball));
 }
 
+struct ap_quat ap_physics_turn(const struct ap_physics *ph, int ball) {
+    struct ap_ball b = ph->ball[ball];
+    ap_segment_commit(ph, &b, fmin(fmax(ph->now_s, b.t0_s), b.t_end_s));
+    return b.foot_from_ball;
+}
+
 bool ap_physics_at_rest(const struct ap_physics *ph) {
     for (int i = 0; i < ph->ball_count; i++)
         if (ph->ball[i].state != AP_BALL_AT_REST && ph->ball[i].state != AP_BALL_POCKETED)

@@ -177,6 +177,9 @@ struct ap_ball_motion ap_physics_motion(const struct ap_physics *physics, int ba
 // world_from_ball at now_s: its centre stands s above the foot; orthonormal to 1e-15.
 struct ap_iso ap_physics_world_from_ball(const struct ap_physics *physics, int ball);
 
+// foot_from_ball at now_s.
+struct ap_quat ap_physics_turn(const struct ap_physics *physics, int ball);
+
 // Joules, of all balls in play. And what the isometries of the plane conserve without friction or
 // cushions, m·(foot ∧ velocity): about the world's x, z (over rho, in kg·m/s) and y (kg·m²/s).
 double ap_physics_energy(const struct ap_physics *physics);
