@@ -199,11 +199,14 @@ enum ap_status sim_capture_error(struct ap_error *err, struct sim_capture *c) {
     return st;
 }
 
-void sim_capture_drain(struct sim_capture *c) {
+enum ap_status sim_capture_flush(struct ap_error *err, struct sim_capture *c) {
+    if (!c)
+        return AP_OK;
     pthread_mutex_lock(&c->lock);
     while (c->count > 0 || c->running > 0)
         pthread_cond_wait(&c->room, &c->lock);
     pthread_mutex_unlock(&c->lock);
+    return sim_capture_error(err, c);
 }
 
 void sim_capture_destroy(struct sim_capture *c) {

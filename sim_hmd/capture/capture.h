@@ -51,8 +51,8 @@ enum ap_status sim_capture_write_layer(struct ap_error *err, const struct sim_ca
 // The first failure of a job since the last call, AP_OK where there is none.
 enum ap_status sim_capture_error(struct ap_error *err, struct sim_capture *capture);
 
-// Returns when no job waits or runs.
-void sim_capture_drain(struct sim_capture *capture);
+// Returns when no job waits or runs, with the first failure since the last call. Accepts NULL.
+enum ap_status sim_capture_flush(struct ap_error *err, struct sim_capture *capture);
 
 // Drains, joins. Accepts NULL.
 void sim_capture_destroy(struct sim_capture *capture);

@@ -2,15 +2,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "sim_hmd/capture/frames_line.h"
+#include "sim_hmd/core/quiet_write.h"
 #include "src/base/file.h"
 
 struct sim_frames_log {
@@ -52,37 +50,6 @@ enum ap_status sim_frames_log_create(struct ap_error *err, const struct sim_sett
     return st;
 }
 
-// A file that is as long as it may get is an error and no reason to die: this thread is the
-// program's, which has not asked for the signal.
-static ssize_t write_some(int fd, const char *bytes, size_t len) {
-    sigset_t too_long, old;
-    sigemptyset(&too_long);
-    sigaddset(&too_long, SIGXFSZ);
-    pthread_sigmask(SIG_BLOCK, &too_long, &old);
-    ssize_t n = write(fd, bytes, len);
-    int why = errno;
-    if (n < 0 && why == EFBIG)
-        sigtimedwait(&too_long, NULL, &(struct timespec){0});
-    pthread_sigmask(SIG_SETMASK, &old, NULL);
-    errno = why;
-    return n;
-}
-
-// One call a line, so that a reader and a killed program's rest see whole ones.
-static enum ap_status write_all(struct ap_error *err, const struct sim_frames_log *l,
-                                const char *bytes, size_t len) {
-    while (len > 0) {
-        ssize_t n = write_some(l->fd, bytes, len);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return cannot(err, l->part);
-        bytes += n;
-        len -= (size_t)n;
-    }
-    return AP_OK;
-}
-
 bool sim_frames_log_wants(const struct sim_frames_log *l, bool captured) {
     return l && l->fd >= 0 && (captured || l->settings->capture_log_all);
 }
@@ -96,7 +63,7 @@ enum ap_status sim_frames_log_frame(struct ap_error *err, struct sim_frames_log 
         l->line.failed = false;
         return ap_fail(err, AP_ENVIRONMENT, "%s: no memory for a frame's line", l->part);
     }
-    return write_all(err, l, l->line.text, l->line.len);
+    return sim_write_quietly(l->fd, l->line.text, l->line.len) ? AP_OK : cannot(err, l->part);
 }
 
 enum ap_status sim_frames_log_commit(struct ap_error *err, struct sim_frames_log *l) {

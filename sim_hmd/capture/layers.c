@@ -374,8 +374,7 @@ enum ap_status sim_layer_capture_create(struct ap_error *err, const struct ap_gp
 }
 
 enum ap_status sim_layer_capture_flush(struct ap_error *err, struct sim_layer_capture *c) {
-    sim_capture_drain(c->writers);
-    return sim_capture_error(err, c->writers);
+    return sim_capture_flush(err, c->writers);
 }
 
 void sim_layer_capture_destroy(struct sim_layer_capture *c) {

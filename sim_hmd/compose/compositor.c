@@ -401,10 +401,7 @@ SIM_HOT bool sim_compositor_input(const struct sim_compositor *c, struct sim_win
 }
 
 enum ap_status sim_compositor_flush(struct ap_error *err, struct sim_compositor *c) {
-    if (!c->capture)
-        return AP_OK;
-    sim_capture_drain(c->capture);
-    return sim_capture_error(err, c->capture);
+    return sim_capture_flush(err, c->capture);
 }
 
 struct sim_compositor_stats sim_compositor_stats(const struct sim_compositor *c) {

@@ -205,8 +205,7 @@ bool sim_source_component(const struct sim_source *source, const struct sim_comp
     if (source->inputs && log_time(source, xr_ns, &t_ns) &&
         sim_inputs_at(source->inputs, component, top, t_ns, value))
         return true;
-    return source->kind->component &&
-           source->kind->component(source->poses, component, top, value);
+    return source->kind->component && source->kind->component(source->poses, component, top, value);
 }
 
 // The top level path of a channel's device.

@@ -1,6 +1,7 @@
 #include "sim_hmd/strict/strict.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <jansson.h>
 #include <pthread.h>
 #include <stdarg.h>
@@ -9,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "sim_hmd/core/quiet_write.h"
 #include "sim_hmd/strict/call.h"
 #include "src/base/log.h"
 
@@ -32,21 +34,24 @@ static struct {
     uint64_t dropped; // findings beyond the bound
     char extensions[MAX_EXTENSIONS][XR_MAX_EXTENSION_NAME_SIZE];
     size_t extension_count;
-    FILE *report;
+    int report; // −1: none
     char *path;
     pid_t process;
-} strict = {.mutex = PTHREAD_MUTEX_INITIALIZER};
+} strict = {.mutex = PTHREAD_MUTEX_INITIALIZER, .report = -1};
 
 static const char *const level_names[] = {"error", "warning", "note"};
 
 static void write_line(json_t *line) {
-    if (strict.report && line) {
+    if (strict.report >= 0 && line) {
         // One write, so that the lines of several processes do not mix.
         char *text = json_dumps(line, JSON_COMPACT | JSON_PRESERVE_ORDER);
-        if (text && (fprintf(strict.report, "%s\n", text) < 0 || fflush(strict.report) != 0)) {
+        size_t len = text ? strlen(text) : 0;
+        if (text)
+            text[len] = '\n'; // in the end's place
+        if (text && !sim_write_quietly(strict.report, text, len + 1)) {
             ap_log(AP_LOG_ERROR, "strict: the report cannot be written: %s", strerror(errno));
-            fclose(strict.report);
-            strict.report = NULL;
+            close(strict.report);
+            strict.report = -1;
         }
         free(text);
     }
@@ -56,7 +61,7 @@ static void write_line(json_t *line) {
 // A fork's child has no instance, so nothing to be blamed for, and the report is the parent's.
 static void forget_in_child(void) {
     sim_strict_on = false;
-    strict.report = NULL;
+    strict.report = -1;
     pthread_mutex_init(&strict.mutex, NULL); // another thread may have held it
 }
 
@@ -73,10 +78,10 @@ void sim_strict_start(const char *report) {
     strict.count = strict.extension_count = 0;
     strict.dropped = 0;
     strict.process = getpid();
-    strict.report = report ? fopen(report, "ae") : NULL;
+    strict.report = report ? open(report, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666) : -1;
     free(strict.path); // a fork's child has its parent's
     strict.path = report ? strdup(report) : NULL;
-    if (report && !strict.report)
+    if (report && strict.report < 0)
         ap_log(AP_LOG_ERROR, "strict: %s: %s", report, strerror(errno));
     // A process that dies leaves this as the report's last line, not a verdict.
     write_line(json_pack("{s:I}", "process", (json_int_t)strict.process));
@@ -194,7 +199,7 @@ bool sim_strict_enabled(const char *extension) {
 
 // Several instances or programs may share a report: its last line is the verdict on all of them.
 static void add_earlier(size_t n[3]) {
-    FILE *f = strict.report && strict.path ? fopen(strict.path, "re") : NULL;
+    FILE *f = strict.report >= 0 && strict.path ? fopen(strict.path, "re") : NULL;
     char *line = NULL;
     size_t size = 0, errors, warnings, notes, earlier[3] = {0};
     while (f && getline(&line, &size, f) > 0)
@@ -242,9 +247,9 @@ void sim_strict_finish(void) {
     pthread_mutex_lock(&strict.mutex);
     sum_up();
     sim_strict_on = false;
-    if (strict.report)
-        fclose(strict.report);
-    strict.report = NULL;
+    if (strict.report >= 0)
+        close(strict.report);
+    strict.report = -1;
     free(strict.path);
     strict.path = NULL;
     pthread_mutex_unlock(&strict.mutex);

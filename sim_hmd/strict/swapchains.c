@@ -10,6 +10,7 @@ enum { MAX_SWAPCHAINS = 128 };
 struct chain {
     uint64_t handle; // 0: free
     int acquired;
+    bool depth;
     bool drawn;                     // released since the frame was begun
     bool ever_released, ever_shown; // shown: submitted with a frame
 };
@@ -35,7 +36,13 @@ static void let_go(const char *function, struct chain *c) {
         sim_strict_report(SIM_WARNING, function, "USE-image-not-released",
                           "swapchain 0x%llx ends with %d of its images acquired",
                           (unsigned long long)c->handle, c->acquired);
-    if (c->ever_released && !c->ever_shown)
+    // Depth serves the program's own drawing first; to hand it in is an offer.
+    if (c->ever_released && !c->ever_shown && c->depth)
+        sim_strict_report(SIM_NOTE, function, "USE-depth-never-submitted",
+                          "swapchain 0x%llx of depth was drawn and never part of a layer: a "
+                          "runtime that reprojects by depth has none",
+                          (unsigned long long)c->handle);
+    else if (c->ever_released && !c->ever_shown)
         sim_strict_report(SIM_WARNING, function, "USE-image-never-submitted",
                           "swapchain 0x%llx was drawn and never part of a layer",
                           (unsigned long long)c->handle);
@@ -46,6 +53,13 @@ void sim_strict_swapchain_call(struct sim_strict_call *call) {
     const char *name = call->function->name;
     if (call->result < 0)
         return;
+    if (strcmp(name, "xrCreateSwapchain") == 0) {
+        struct chain *made = chain_of(sim_raw(*SIM_ARG(call, const XrSwapchain *, 2)), true);
+        if (made)
+            made->depth = SIM_ARG(call, const XrSwapchainCreateInfo *, 1)->usageFlags &
+                          XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+        return;
+    }
     if (strcmp(name, "xrDestroySwapchain") == 0) {
         struct chain *c = chain_of(call->v[0], false);
         if (c)

@@ -364,6 +364,7 @@ static void after_create_swapchain(struct sim_strict_call *call) {
         sim_strict_found(call, SIM_NOTE, "USE-format-unasked",
                          "format %lld without xrEnumerateSwapchainFormats",
                          (long long)SIM_ARG(call, const XrSwapchainCreateInfo *, 1)->format);
+    sim_strict_swapchain_call(call);
 }
 
 static const struct {

@@ -8,6 +8,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <spawn.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -68,6 +69,41 @@ static int high_fd(int fd) {
     if (fd >= 0)
         close(fd);
     return high;
+}
+
+// The ends that a fork's child must not keep open, for the window would outlive its runtime. Places
+// are taken and left without a lock: the child may close them only if no other thread can hold one.
+enum { MAX_LIVES = 16 };
+static _Atomic int lives[MAX_LIVES]; // descriptor + 1; 0: free
+
+static void close_in_child(void) {
+    for (int i = 0; i < MAX_LIVES; i++) {
+        int life = atomic_exchange(&lives[i], 0) - 1;
+        if (life >= 0)
+            close(life);
+    }
+}
+
+static void watch_forks(void) {
+    pthread_atfork(NULL, NULL, close_in_child);
+}
+
+static void remember_life(int life) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, watch_forks);
+    for (int i = 0; i < MAX_LIVES; i++) {
+        int none = 0;
+        if (atomic_compare_exchange_strong(&lives[i], &none, life + 1))
+            return;
+    }
+}
+
+static void forget_life(int life) {
+    for (int i = 0; i < MAX_LIVES && life >= 0; i++) {
+        int it = life + 1;
+        if (atomic_compare_exchange_strong(&lives[i], &it, 0))
+            return;
+    }
 }
 
 // The program forks at once and its first process leaves, so that the program that we live in never
@@ -141,6 +177,8 @@ static enum ap_status create(struct ap_error *err, const struct sim_window_param
         st = ap_fail(err, AP_ENVIRONMENT, "no socket for the window: %s", strerror(errno));
     if (!st)
         st = spawn(err, program, memory, ends[1]);
+    if (!st)
+        remember_life(w->life);
     if (memory >= 0)
         close(memory);
     if (ends[1] >= 0)
@@ -236,6 +274,7 @@ void sim_window_input(struct sim_window *w, struct sim_window_input *input) {
 void sim_window_close(struct sim_window *w) {
     if (!w)
         return;
+    forget_life(w->life);
     if (w->life >= 0)
         close(w->life); // which is how the program learns of it
     if (w->shared)

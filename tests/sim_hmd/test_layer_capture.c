@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "src/base/clock.h"
 #include "src/base/file.h"
 #include "src/image/image.h"
 #include "src/image/lens.h"
@@ -20,15 +21,17 @@
 
 enum { W = 64, H = 48, FRAMES = 6 };
 
+static const char *clock_name = "virtual";
+
 static void start(struct client *c, const char *dir, const char *more, const char *profile) {
     char json[2048];
     snprintf(json, sizeof json,
-             "{\"clock\": \"virtual\", \"capture\": {\"dir\": \"%s/%s\"%s}, \"headset\": "
+             "{\"clock\": \"%s\", \"capture\": {\"dir\": \"%s/%s\"%s}, \"headset\": "
              "{\"name\": \"tiny\", \"refresh_hz\": 90, \"ipd_m\": 0.06%s, \"eyes\": {\"left\": "
              "{\"resolution_px\": [%d, %d], \"fov_rad\": {\"left\": -0.8, \"right\": 0.7, "
              "\"up\": 0.7, \"down\": -0.6}}, \"right\": {\"resolution_px\": [%d, %d], "
              "\"fov_rad\": {\"left\": -0.7, \"right\": 0.8, \"up\": 0.7, \"down\": -0.6}}}}}",
-             client_folder(), dir, more, profile, W, H, W, H);
+             clock_name, client_folder(), dir, more, profile, W, H, W, H);
     client_settings(json);
     client_start(c);
 }
@@ -461,6 +464,55 @@ static void the_log_tells_what_was_submitted(void **state) {
     assert_int_equal(k, FRAMES);
 }
 
+// On the real clock a line has the machine's times, in the order in which things happen. One frame
+// is ended long after its display.
+static void the_real_clock_is_told(void **state) {
+    (void)state;
+    enum { LATE = 3 };
+    struct program p;
+    clock_name = "real";
+    make_program(&p, "real", ", \"log\": \"all\", \"frames\": \"0:1\"", "");
+    clock_name = "virtual";
+    for (int k = 0; k < FRAMES; k++) {
+        XrFrameState f = client_wait(&p.c);
+        client_begin(&p.c);
+        if (k == LATE)
+            ap_clock_sleep_until_ns(ap_clock_now_ns() + 60000000);
+        client_end_empty(&p.c, f.predictedDisplayTime);
+    }
+    end_program(&p);
+    size_t len;
+    char *text = read_whole("real", "frames.jsonl", &len);
+    double last = 0;
+    int k = 0;
+    for (char *line = text; *line; k++, line += strcspn(line, "\n") + 1) {
+        json_t *root = json_loadb(line, strcspn(line, "\n"), JSON_REJECT_DUPLICATES, NULL);
+        assert_non_null(root);
+        double waited = json_number_value(at(root, "waited_ns"));
+        double begun = json_number_value(at(root, "begun_ns"));
+        double ended = json_number_value(at(root, "ended_ns"));
+        double display = json_number_value(at(root, "display_ns"));
+        double period = json_number_value(at(root, "period_ns"));
+        check_number(root, "deadline_ns", display);
+        if (!(last <= waited && waited <= begun && begun <= ended))
+            fail_msg("frame %d: last %.0f, waited %.0f, begun %.0f, ended %.0f", k, last, waited,
+                     begun, ended);
+        // xrWaitFrame returns a period before the display, not sooner.
+        if (waited < display - period - 1)
+            fail_msg("frame %d: waited %.0f, display %.0f less %.0f", k, waited, display, period);
+        assert_int_equal(json_is_true(at(root, "late")), ended > display);
+        if (k == LATE)
+            assert_true(json_is_true(at(root, "late")) && ended >= begun + 6e7);
+        if (k == LATE + 1 && json_number_value(at(root, "missed")) < 3)
+            fail_msg("after 60 ms at 90 Hz %g periods are missed, expected at least 3",
+                     json_number_value(at(root, "missed")));
+        last = ended;
+        json_decref(root);
+    }
+    free(text);
+    assert_int_equal(k, FRAMES);
+}
+
 static void two_runs_leave_the_same_bytes(void **state) {
     (void)state;
     char command[256];
@@ -673,6 +725,7 @@ int main(void) {
         cmocka_unit_test_teardown(layers_are_bit_for_bit, client_teardown),
         cmocka_unit_test_teardown(layers_as_png, client_teardown),
         cmocka_unit_test_teardown(the_log_tells_what_was_submitted, client_teardown),
+        cmocka_unit_test_teardown(the_real_clock_is_told, client_teardown),
         cmocka_unit_test_teardown(two_runs_leave_the_same_bytes, client_teardown),
         cmocka_unit_test_teardown(through_the_lens, client_teardown),
         cmocka_unit_test_teardown(samples_and_quads, client_teardown),

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
 // The lint: a program that is wrong in as many ways as there are calls hears of each by its name,
 // and one that is right hears nothing. The functions are the runtime's own, past the loader, which
@@ -103,13 +105,11 @@ static void stop(struct client *c) {
     }
 }
 
-static XrSwapchain make_swapchain(struct client *c) {
-    uint32_t n;
-    int64_t formats[32];
-    XR_OK(RT(xrEnumerateSwapchainFormats)(c->session, 32, &n, formats));
+static XrSwapchain make_swapchain_of(struct client *c, XrSwapchainUsageFlags usage,
+                                     int64_t format) {
     XrSwapchainCreateInfo info = {.type = XR_TYPE_SWAPCHAIN_CREATE_INFO,
-                                  .usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT,
-                                  .format = formats[0],
+                                  .usageFlags = usage,
+                                  .format = format,
                                   .sampleCount = 1,
                                   .width = 32,
                                   .height = 32,
@@ -119,6 +119,18 @@ static XrSwapchain make_swapchain(struct client *c) {
     XrSwapchain swapchain = XR_NULL_HANDLE;
     XR_OK(RT(xrCreateSwapchain)(c->session, &info, &swapchain));
     return swapchain;
+}
+
+static XrSwapchain make_swapchain(struct client *c) {
+    uint32_t n;
+    int64_t formats[32];
+    XR_OK(RT(xrEnumerateSwapchainFormats)(c->session, 32, &n, formats));
+    return make_swapchain_of(c, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT, formats[0]);
+}
+
+static XrSwapchain make_depth(struct client *c) {
+    return make_swapchain_of(c, XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                             VK_FORMAT_D16_UNORM);
 }
 
 static void draw(struct client *c, XrSwapchain swapchain) {
@@ -540,6 +552,10 @@ static void doubtful_frames_are_told(void **unused) {
           "USE-image-not-released");
     WRONG(XR_SUCCESS, RT(xrDestroySwapchain)(spare), "xrDestroySwapchain",
           "USE-image-never-submitted");
+    spare = make_depth(c);
+    draw(c, spare);
+    WRONG(XR_SUCCESS, RT(xrDestroySwapchain)(spare), "xrDestroySwapchain",
+          "USE-depth-never-submitted");
     XR_OK(RT(xrRequestExitSession)(c->session));
     client_poll(c);
     for (int k = 0; k < 12; k++)
@@ -816,6 +832,27 @@ static void a_report_is_summed_up(void **unused) {
     }
 }
 
+// A report that may not grow: the program lives, and so does the lint. No SIGXFSZ.
+static void a_full_report_ends_nobody(void **unused) {
+    (void)unused;
+    struct client client = {0}, *c = &client;
+    struct rlimit old, small;
+    strict_settings();
+    getrlimit(RLIMIT_FSIZE, &old);
+    small = old;
+    small.rlim_cur = 100; // bytes
+    setrlimit(RLIMIT_FSIZE, &small);
+    client_make_instance(c);
+    XrPath path;
+    for (int k = 0; k < 3; k++)
+        XR_IS(XR_ERROR_PATH_FORMAT_INVALID, RT(xrStringToPath)(c->instance, "x", &path));
+    client_stop(c);
+    setrlimit(RLIMIT_FSIZE, &old);
+    struct stat report;
+    assert_int_equal(stat(report_path, &report), 0);
+    assert_int_equal(report.st_size, 100);
+}
+
 static int enough_statements(void **unused) {
     (void)unused;
     printf("%d wrong uses told by name\n", statements_seen);
@@ -837,6 +874,7 @@ int main(void) {
         cmocka_unit_test_teardown(overlapping_calls_are_told, client_teardown),
         cmocka_unit_test_teardown(extensions_not_enabled_are_told, client_teardown),
         cmocka_unit_test_teardown(a_report_is_summed_up, client_teardown),
+        cmocka_unit_test_teardown(a_full_report_ends_nobody, client_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, enough_statements);
 }

@@ -231,6 +231,25 @@ static void goes_with_the_runtime(void **state) {
     sim_window_close(NULL);
 }
 
+// A child that the runtime's process forks does not keep the window.
+static void a_fork_does_not_keep_it(void **state) {
+    (void)state;
+    const uint8_t red[3] = {201, 31, 17};
+    struct sim_window *window = open_window();
+    show(window, 1, red, red);
+    wait_for_color(red, W * H);
+    pid_t child = fork();
+    if (child == 0) {
+        for (;;)
+            pause();
+    }
+    assert_true(sim_window_alive(window)); // the child's copy was closed, ours was not
+    sim_window_close(window);
+    wait_for_color(red, 0);
+    kill(child, SIGKILL);
+    assert_int_equal(waitpid(child, NULL, 0), child);
+}
+
 static void no_display(void **state) {
     (void)state;
     char kept[64];
@@ -364,7 +383,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(arrangements),     cmocka_unit_test(keys_are_controllers),
         cmocka_unit_test(picture_and_keys), cmocka_unit_test(goes_with_the_runtime),
-        cmocka_unit_test(no_display),
+        cmocka_unit_test(no_display),       cmocka_unit_test(a_fork_does_not_keep_it),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     stop_server();
