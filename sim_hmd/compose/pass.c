@@ -51,7 +51,8 @@ static enum ap_status create_render_pass(struct ap_error *err, const struct ap_g
 }
 
 static enum ap_status create_sampler(struct ap_error *err, const struct ap_gpu *gpu,
-                                     VkFilter filter, VkSampler *sampler) {
+                                     VkFilter filter, VkSamplerAddressMode across,
+                                     VkSampler *sampler) {
     VkSamplerCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                 .magFilter = filter,
                                 .minFilter = filter,
@@ -59,7 +60,7 @@ static enum ap_status create_sampler(struct ap_error *err, const struct ap_gpu *
                                                   ? VK_SAMPLER_MIPMAP_MODE_LINEAR
                                                   : VK_SAMPLER_MIPMAP_MODE_NEAREST,
                                 .maxLod = VK_LOD_CLAMP_NONE,
-                                .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                .addressModeU = across,
                                 .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                 .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
     return ap_vk_check(err, vkCreateSampler(gpu->device, &info, NULL, sampler), "vkCreateSampler");
@@ -184,9 +185,14 @@ enum ap_status sim_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
     if (!st)
         st = create_layouts(err, gpu, &made);
     if (!st)
-        st = create_sampler(err, gpu, VK_FILTER_LINEAR, &made.linear);
+        st = create_sampler(err, gpu, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                            &made.linear);
     if (!st)
-        st = create_sampler(err, gpu, VK_FILTER_NEAREST, &made.nearest);
+        st = create_sampler(err, gpu, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT,
+                            &made.linear_around);
+    if (!st)
+        st = create_sampler(err, gpu, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                            &made.nearest);
     if (!st)
         st = ap_gpu_shader(err, gpu, composite_vert, sizeof composite_vert, &made.vert);
     if (!st)
@@ -215,6 +221,7 @@ void sim_pass_destroy(const struct ap_gpu *gpu, struct sim_pass *pass) {
     vkDestroyPipelineLayout(gpu->device, pass->layout, NULL);
     vkDestroyDescriptorSetLayout(gpu->device, pass->set_layout, NULL);
     vkDestroySampler(gpu->device, pass->linear, NULL);
+    vkDestroySampler(gpu->device, pass->linear_around, NULL);
     vkDestroySampler(gpu->device, pass->nearest, NULL);
     vkDestroyRenderPass(gpu->device, pass->render_pass, NULL);
     *pass = (struct sim_pass){0};

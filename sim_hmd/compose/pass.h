@@ -41,6 +41,7 @@ struct sim_pass {
     } made[SIM_PASS_PIPELINES]; // when first needed
     uint32_t made_count;
     VkSampler linear, nearest; // nearest: for formats that cannot be filtered
+    VkSampler linear_around;   // the image's right side joins its left one
 };
 
 enum ap_status sim_pass_create(struct ap_error *err, const struct ap_gpu *gpu,

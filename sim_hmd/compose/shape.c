@@ -131,12 +131,24 @@ static void put_curve(const struct sight *s, struct sim_shape *shape) {
     shape->shape[3] = (float)(part.from[1] + part.size[1] * up / (up - down));
 }
 
-static void put_part(const struct sim_layer_view *view, struct sim_shape *shape) {
+// The whole width of the image spans the whole turn. (A part of the width, side by side, keeps half
+// a texel of seam: no sampler joins the sides of a part.)
+static bool goes_around(const struct sim_layer *layer, const struct sim_layer_view *view) {
+    return layer->kind == SIM_LAYER_EQUIRECT &&
+           fabs(fabs(layer->central_rad) - 2 * 3.14159265358979323846) < 1e-5 &&
+           view->rect.extent.width == (int32_t)view->width_px;
+}
+
+static void put_part(const struct sim_layer_view *view, bool around, struct sim_shape *shape) {
     struct part part = part_of(view);
     const double half[2] = {0.5 / view->width_px, 0.5 / view->height_px};
     for (int k = 0; k < 2; k++) {
         shape->limit[k] = (float)(part.from[k] + half[k]);
         shape->limit[2 + k] = (float)(part.from[k] + part.size[k] - half[k]);
+    }
+    if (around) {
+        shape->limit[0] = -1;
+        shape->limit[2] = 2;
     }
 }
 
@@ -304,7 +316,10 @@ struct sim_seen sim_layer_seen(const struct sim_frame *frame, int eye,
                 s.view->rect.extent.height != (int32_t)s.view->height_px;
     seen.centred = ap_vec3_length(s.eye) < CENTRED_RADII;
     put_rays(&s, &seen.shape);
-    put_part(s.view, &seen.shape);
+    seen.around = goes_around(layer, s.view);
+    // With edges, so that the seam is none: what rounding puts beside the picture is on it.
+    seen.part |= seen.around && !seen.all;
+    put_part(s.view, seen.around, &seen.shape);
     if (layer->kind == SIM_LAYER_CYLINDER || layer->kind == SIM_LAYER_EQUIRECT)
         put_curve(&s, &seen.shape);
     return seen;

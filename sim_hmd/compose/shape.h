@@ -21,6 +21,7 @@ struct sim_seen {
     double from_uv[2]; // nothing of it is outside of these
     double to_uv[2];
     bool part;    // of an image only
+    bool around;  // a sphere's picture goes all around: its right side joins its left one
     bool centred; // the middle of a curved layer is the eye, or it is infinitely far
     struct sim_shape shape;
 };

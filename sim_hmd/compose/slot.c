@@ -148,7 +148,9 @@ static enum ap_status image_of(struct ap_error *err, const struct ap_gpu *gpu,
     VkFormatProperties format;
     vkGetPhysicalDeviceFormatProperties(gpu->physical_device, view->format, &format);
     bool filters = format.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
-    image->sampler = filters ? pass->linear : pass->nearest;
+    image->sampler = !filters               ? pass->nearest
+                     : drawing->seen.around ? pass->linear_around
+                                            : pass->linear;
     return AP_OK;
 }
 

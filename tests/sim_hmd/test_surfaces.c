@@ -88,6 +88,23 @@ static void lay_over(const struct sim_layer *l, const double c[4], double *out) 
             c[k] * (l->blend_alpha && l->unpremultiplied ? alpha : 1) + (1 - alpha) * out[k], 1);
 }
 
+static bool goes_around(const struct sim_layer *l, const struct sim_layer_view *v) {
+    return l->kind == SIM_LAYER_EQUIRECT && fabs(fabs(l->central_rad) - 2 * PI) < 1e-6 &&
+           v->rect.extent.width == (int32_t)v->width_px;
+}
+
+// Between the middles of the last column and the first, where the sides meet: both, by distance.
+static void texel_around(const struct sim_layer_view *v, const uint8_t *bytes, double x, double y,
+                         double c[4]) {
+    double past = x < 0.5 ? x + 0.5 : x - (v->width_px - 0.5), first[4];
+    texel(v, bytes, x < 0.5 || past > 0 ? v->width_px - 0.5 : x, y, c);
+    if (!(x < 0.5 || past > 0))
+        return;
+    texel(v, bytes, 0.5, y, first);
+    for (int k = 0; k < 4; k++)
+        c[k] += past * (first[k] - c[k]);
+}
+
 // Lays a layer over what is there. Pixels whose middle is at the very edge become NaN: how many.
 static int reference(const struct sim_frame *f, int eye, const struct sim_layer *l,
                      const uint8_t *bytes, double *linear) {
@@ -101,14 +118,17 @@ static int reference(const struct sim_frame *f, int eye, const struct sim_layer 
             double at[2], *out = linear + 3 * (j * W + i);
             if (l->hidden[eye] || !meets(l, o, ap_quat_rotate(back, ray_of(f, eye, i, j)), at))
                 continue;
-            double edge = fmin(fmin(at[0], 1 - at[0]), fmin(at[1], 1 - at[1]));
+            bool around = goes_around(l, v);
+            double across = around ? 1 : fmin(at[0], 1 - at[0]);
+            double edge = fmin(across, fmin(at[1], 1 - at[1]));
             if (isnan(at[0]) || fabs(edge) <= 1e-4) {
                 out[0] = out[1] = out[2] = NAN;
                 doubtful++;
             } else if (edge > 0) {
                 double c[4];
-                texel(v, bytes, v->rect.offset.x + at[0] * v->rect.extent.width,
-                      v->rect.offset.y + at[1] * v->rect.extent.height, c);
+                (around ? texel_around
+                        : texel)(v, bytes, v->rect.offset.x + at[0] * v->rect.extent.width,
+                                 v->rect.offset.y + at[1] * v->rect.extent.height, c);
                 lay_over(l, c, out);
             }
         }
@@ -241,6 +261,37 @@ static void spheres(void **state) {
         if (k % 11 == 10)
             l->central_rad = -l->central_rad; // mirrored
         place(l, before(&f, -0.5, 2, PI));
+        check(&p, &f);
+    }
+    close_pictures(&p);
+}
+
+// The sides of a picture that goes all around meet without a seam, and nothing is torn at the
+// poles. The picture's two sides are as different as can be.
+static void seams(void **state) {
+    (void)state;
+    struct pictures p;
+    open_pictures(&p);
+    for (int k = 0; k < POSES; k++) {
+        struct sim_frame f;
+        struct sim_layer *l = stacked(&p, k, &f);
+        l->kind = SIM_LAYER_EQUIRECT;
+        l->blend_alpha = false;
+        l->radius_m = k % 3 == 0 ? 0 : between(2, 4);
+        l->central_rad = k % 5 == 4 ? -2 * PI : 2 * PI;
+        l->upper_rad = k % 2 ? PI / 2 : between(0.3, 1);
+        l->lower_rad = k % 2 ? -PI / 2 : between(-1, -0.3);
+        for (int eye = 0; eye < 2; eye++) {
+            l->hidden[eye] = false;
+            l->view[eye].rect = k % 4 < 2 ? (XrRect2Di){{0, 0}, {LAYER_W, LAYER_H}}
+                                          : (XrRect2Di){{0, LAYER_H / 2}, {LAYER_W, LAYER_H / 2}};
+        }
+        // Behind the eyes' back is before them; every third looks at a pole.
+        struct ap_quat back = ap_quat_from_axis_angle((struct ap_vec3){0, 1, 0}, PI + 0.3);
+        struct ap_quat up = ap_quat_from_axis_angle((struct ap_vec3){1, 0, 0}, k % 2 ? 1.5 : -1.5);
+        struct ap_pose eye = f.stage_from_eye[0];
+        eye.q = ap_quat_mul(eye.q, k % 3 == 1 ? up : ap_quat_mul(back, some_turn(0.5)));
+        place(l, eye);
         check(&p, &f);
     }
     close_pictures(&p);
@@ -451,15 +502,11 @@ int main(void) {
     if (!stage_open())
         return 77;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(quads),
-        cmocka_unit_test(cylinders),
-        cmocka_unit_test(spheres),
-        cmocka_unit_test(stacks),
-        cmocka_unit_test(cubes),
-        cmocka_unit_test(mips),
-        cmocka_unit_test(what_is_hidden_costs_nothing),
-        cmocka_unit_test(odd_shapes),
-        cmocka_unit_test(validation_is_silent),
+        cmocka_unit_test(quads),      cmocka_unit_test(cylinders),
+        cmocka_unit_test(spheres),    cmocka_unit_test(seams),
+        cmocka_unit_test(stacks),     cmocka_unit_test(cubes),
+        cmocka_unit_test(mips),       cmocka_unit_test(what_is_hidden_costs_nothing),
+        cmocka_unit_test(odd_shapes), cmocka_unit_test(validation_is_silent),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     stage_close();
