@@ -100,7 +100,7 @@ static void test_calibration(void **unused) {
         put16(b + 32 + 2 * k, 10 * ((int)k + 1));
         put16(b + 38 + 2 * k, 13371);
     }
-    struct ap_joycon_calibration c = {{0}, {0}, {0}};
+    struct ap_joycon_calibration c = {.is_users = false};
     assert_true(ap_joycon_read_calibration(b, sizeof b, &c));
     close_to("scale of forces", c.accel_scale[1], 9.80665 / 4096, 1e-12);
     close_to("bias", c.gyro_bias[2], 30, 0);
@@ -111,6 +111,33 @@ static void test_calibration(void **unused) {
     memset(b + 20, 0xff, 24); // an empty flash
     assert_false(ap_joycon_read_calibration(b, sizeof b, &c));
     assert_memory_equal(&c, &before, sizeof c);
+    // The user's own, whose first two bytes say that it is one; then the maker's does not count.
+    uint8_t users[49] = {0x21};
+    users[14] = 0x10;
+    put16(users + 15, 0x8026);
+    users[19] = 26;
+    for (size_t k = 0; k < 3; k++) {
+        put16(users + 28 + 2 * k, 8192);
+        put16(users + 34 + 2 * k, -5);
+        put16(users + 40 + 2 * k, 13366);
+    }
+    assert_false(ap_joycon_read_calibration(users, sizeof users, &c));
+    users[20] = 0xb2;
+    users[21] = 0xa1;
+    for (size_t len = 0; len < 46; len++)
+        assert_false(ap_joycon_read_calibration(users, len, &c));
+    assert_true(ap_joycon_read_calibration(users, sizeof users, &c));
+    close_to("user's scale of forces", c.accel_scale[1], 9.80665 / 2048, 1e-12);
+    close_to("user's bias", c.gyro_bias[2], -5, 0);
+    close_to("user's scale of rates", c.gyro_scale[0], 936 * DEGREE / 13371, 1e-12);
+    for (size_t k = 0; k < 3; k++) {
+        put16(b + 20 + 2 * k, 0);
+        put16(b + 26 + 2 * k, 16384);
+        put16(b + 32 + 2 * k, 0);
+        put16(b + 38 + 2 * k, 13371);
+    }
+    assert_false(ap_joycon_read_calibration(b, sizeof b, &c));
+    close_to("the user's stays", c.gyro_bias[2], -5, 0);
 }
 
 static enum ap_report_verdict feed(const struct ap_driver *driver, uint8_t timer) {
@@ -148,13 +175,13 @@ static void test_timer(void **unused) {
 static void test_start(void **unused) {
     (void)unused;
     struct ap_driver_step steps[AP_DRIVER_STEPS_MAX];
-    assert_int_equal(plug(3, 0x2009)->start(&info, steps), 7);
+    assert_int_equal(plug(3, 0x2009)->start(&info, steps), 8);
     assert_true(steps[0].bytes[0] == 0x80 && steps[0].bytes[1] == 2);
-    assert_int_equal(plug(5, 0x2007)->start(&info, steps), 3);
-    static const uint8_t sensor[] = {0x01, 1, 0, 1, 0x40, 0x40, 0, 1, 0x40, 0x40, 0x40, 1};
-    static const uint8_t full[] = {0x01, 2, 0, 1, 0x40, 0x40, 0, 1, 0x40, 0x40, 0x03, 0x30};
-    assert_memory_equal(steps[1].bytes, sensor, sizeof sensor);
-    assert_memory_equal(steps[2].bytes, full, sizeof full);
+    assert_int_equal(plug(5, 0x2007)->start(&info, steps), 4);
+    static const uint8_t sensor[] = {0x01, 2, 0, 1, 0x40, 0x40, 0, 1, 0x40, 0x40, 0x40, 1};
+    static const uint8_t full[] = {0x01, 3, 0, 1, 0x40, 0x40, 0, 1, 0x40, 0x40, 0x03, 0x30};
+    assert_memory_equal(steps[2].bytes, sensor, sizeof sensor);
+    assert_memory_equal(steps[3].bytes, full, sizeof full);
     assert_null(plug(5, 0x2017));
 }
 

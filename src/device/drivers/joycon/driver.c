@@ -48,20 +48,22 @@ static struct ap_driver_step command(uint8_t count, const uint8_t *bytes, size_t
     return step;
 }
 
-// On a cable: a handshake, 3 Mbit/s, the handshake again, no timeout. Then the calibration, the
-// sensor, full reports.
+// On a cable: a handshake, 3 Mbit/s, the handshake again, no timeout. Then the two
+// calibrations, the sensor, full reports.
 static int start(const struct ap_device_info *info,
                  struct ap_driver_step steps[AP_DRIVER_STEPS_MAX]) {
     static const uint8_t handshake[] = {2, 3, 2, 4};
-    static const uint8_t read[] = {0x10, 0x20, 0x60, 0, 0, 24}, sensor[] = {0x40, 1},
+    static const uint8_t makers[] = {0x10, 0x20, 0x60, 0, 0, 24},
+                         users[] = {0x10, 0x26, 0x80, 0, 0, 26}, sensor[] = {0x40, 1},
                          full[] = {0x03, 0x30};
     int n = 0;
     for (size_t i = 0; i < sizeof handshake && info->bus == USB; i++)
         steps[n++] = (struct ap_driver_step){
             .kind = AP_STEP_OUTPUT, .len = 2, .bytes = {0x80, handshake[i]}, .wait_ms = 50};
-    steps[n++] = command(0, read, sizeof read);
-    steps[n++] = command(1, sensor, sizeof sensor);
-    steps[n++] = command(2, full, sizeof full);
+    steps[n++] = command(0, makers, sizeof makers);
+    steps[n++] = command(1, users, sizeof users);
+    steps[n++] = command(2, sensor, sizeof sensor);
+    steps[n++] = command(3, full, sizeof full);
     return n;
 }
 

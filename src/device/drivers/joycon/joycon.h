@@ -17,6 +17,7 @@ enum ap_joycon_kind ap_joycon_kind_of(const struct ap_device_info *info);
 // Measured = (raw − bias)·scale, in rad/s and m/s², by the device's own axes.
 struct ap_joycon_calibration {
     double gyro_bias[3], gyro_scale[3], accel_scale[3];
+    bool is_users; // not the maker's
 };
 
 struct ap_joycon_calibration ap_joycon_usual_calibration(void);
@@ -35,8 +36,9 @@ enum ap_report_verdict ap_joycon_parse(enum ap_joycon_kind kind,
                                        const uint8_t *bytes, size_t len,
                                        struct ap_joycon_packet *packet);
 
-// Takes the maker's calibration from the answer to a reading of the flash; false where the report
-// is something else or makes no sense.
+// Takes the calibration from the answer to a reading of the flash, the maker's or, which goes
+// before it, the one that the user has made; false where the report is something else or makes no
+// sense.
 bool ap_joycon_read_calibration(const uint8_t *bytes, size_t len,
                                 struct ap_joycon_calibration *calibration);
 

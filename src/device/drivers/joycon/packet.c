@@ -2,7 +2,14 @@
 
 #include "src/device/drivers/bytes.h"
 
-enum { FULL = 0x30, ANSWER = 0x21, READ_FLASH = 0x10, CALIBRATION_AT = 0x6020, CALIBRATION = 24 };
+enum {
+    FULL = 0x30,
+    ANSWER = 0x21,
+    READ_FLASH = 0x10,
+    CALIBRATION_AT = 0x6020,
+    USERS_AT = 0x8026,
+    CALIBRATION = 24
+};
 
 static const double DEGREE = 3.14159265358979323846 / 180, GRAVITY = 9.80665;
 
@@ -17,7 +24,8 @@ enum ap_joycon_kind ap_joycon_kind_of(const struct ap_device_info *info) {
 
 struct ap_joycon_calibration ap_joycon_usual_calibration(void) {
     const double gyro = 0.070 * DEGREE, accel = GRAVITY / 4096;
-    return (struct ap_joycon_calibration){{0, 0, 0}, {gyro, gyro, gyro}, {accel, accel, accel}};
+    return (struct ap_joycon_calibration){.gyro_scale = {gyro, gyro, gyro},
+                                          .accel_scale = {accel, accel, accel}};
 }
 
 // The sensor's x points to the triggers, y left and z out of the buttons; the right one lies the
@@ -55,13 +63,29 @@ enum ap_report_verdict ap_joycon_parse(enum ap_joycon_kind kind,
     return AP_REPORT_OK;
 }
 
+// Where the numbers stand in the answer to a reading of the flash; NULL: no calibration is in it.
+// The user's own has two bytes in front that say that it is there.
+static const uint8_t *find_calibration(const uint8_t *bytes, size_t len, bool *users) {
+    enum { DATA = 20, MAGIC = 2 };
+    if (len < DATA + CALIBRATION || bytes[0] != ANSWER || bytes[14] != READ_FLASH)
+        return NULL;
+    uint32_t at = ap_u32le(bytes + 15);
+    *users = at == USERS_AT;
+    if (at == CALIBRATION_AT && bytes[19] >= CALIBRATION)
+        return bytes + DATA;
+    if (at == USERS_AT && bytes[19] >= MAGIC + CALIBRATION && len >= DATA + MAGIC + CALIBRATION &&
+        bytes[DATA] == 0xb2 && bytes[DATA + 1] == 0xa1)
+        return bytes + DATA + MAGIC;
+    return NULL;
+}
+
 bool ap_joycon_read_calibration(const uint8_t *bytes, size_t len,
                                 struct ap_joycon_calibration *calibration) {
-    if (len < 20 + CALIBRATION || bytes[0] != ANSWER || bytes[14] != READ_FLASH ||
-        ap_u32le(bytes + 15) != CALIBRATION_AT || bytes[19] < CALIBRATION)
-        return false;
-    const uint8_t *b = bytes + 20; // offsets and scales of the forces, then of the rates
     struct ap_joycon_calibration c;
+    // Offsets and scales of the forces, then of the rates.
+    const uint8_t *b = find_calibration(bytes, len, &c.is_users);
+    if (!b || (calibration->is_users && !c.is_users))
+        return false;
     for (int k = 0; k < 3; k++) {
         double accel = ap_i16le(b + 6 + 2 * k) - ap_i16le(b + 2 * k);
         double bias = ap_i16le(b + 12 + 2 * k), gyro = ap_i16le(b + 18 + 2 * k) - bias;
