@@ -28,4 +28,26 @@ hid=$ANTIPODE_SHARED/data/hid/android_head_tracker_vive_head.hid
 	>"$work/log" 2>&1 || fail "raw HID recording: $(tail -n 2 "$work/log")"
 rows=$(awk -F, '$3 == "head"' "$work/hid/frames.csv" | wc -l)
 [ "$rows" -gt 2500 ] || fail "raw HID recording: $rows rows of the head"
+# A replay of a game, as it is and packed, a second later with a joystick's bytes as the left hand.
+gzip -c "$poses/quest2_beatsaber_60s.bsor" >"$work/game"
+for log in "$poses/quest2_beatsaber_60s.bsor" "$work/game" "$work/game,offset=1"; do
+	n=$((${n:-0} + 1))
+	"$antipode" replay --headset "$ci" --frames 0:21:20 --out "$work/game$n" "$log" \
+		"pen=$ANTIPODE_SHARED/data/hid/joycon_left_grey_real.hid,offset=0.01,invert=yes" \
+		>"$work/log" 2>&1 || fail "$log: $(tail -n 2 "$work/log")"
+done
+for f in frames.csv views.csv 000020-left.png; do
+	cmp "$work/game1/$f" "$work/game2/$f" || fail "the packed game's $f is another"
+done
+cmp -s "$work/game1/frames.csv" "$work/game3/frames.csv" && fail "offset=1 changes nothing"
+first=$(awk -F, 'NR == 2 {print $2}' "$work/game1/frames.csv")
+later=$(awk -F, 'NR == 2 {print $2}' "$work/game3/frames.csv")
+[ $((first + 1000000000)) = "$later" ] || fail "offset=1: the first frame is at $later, not a second after $first"
+# Arguments go into the simulated headset's settings with their roles and options, paths made absolute.
+cp "$poses/vive_room_head.tum" "$work/h.tum"
+(cd "$work" && "$antipode" sim --poses head=h.tum,offset=1,up=y --timeout 30 \
+	-- sh -c 'cat "$ANTIPODE_SIM"') >"$work/settings" 2>"$work/log" || fail "sim: $(cat "$work/log")"
+grep -q "\"head=/.*/h.tum,offset=1,up=y\"" "$work/settings" || fail "sim's settings: $(cat "$work/settings")"
+expect 3 'options are offset, ' "$antipode" sim --poses "head=$work/h.tum,ofset=1" -- true
+expect 2 'standard input is the program' "$antipode" sim --poses head=-,up=z -- true
 finish
