@@ -27,6 +27,9 @@ struct ap_replay_totals {
     double wait_ms, track_ms, draw_ms, end_ms, run_ms;
     uint64_t draws, culled, back_draws, triangles, vertices;
     uint64_t refined, beyond_bound; // parts·images (struct ap_frame_stats)
+    struct {
+        uint64_t visited, cone, size, budget;
+    } cells; // of a world of cells
 };
 
 struct ap_replay {

@@ -122,7 +122,9 @@ static enum ap_status step_devices(struct ap_error *err, struct loop *loop,
         for (int d = 0; !st && d < ap_timeline_device_count(timeline); d++)
             if (turn_of(loop->replay, d) == turn)
                 st = step_device(err, loop, d, frame, t_ns);
-    return st;
+    return st ? st
+              : ap_room_follow(err, &loop->replay->room, &loop->input.viewer.world_from_nose,
+                               loop->input.world_from_hand);
 }
 
 static enum ap_status note_captured(struct ap_error *err, struct ap_replay *replay, int64_t frame) {
@@ -139,6 +141,10 @@ static enum ap_status note_captured(struct ap_error *err, struct ap_replay *repl
 }
 
 static void count_views(struct ap_replay_totals *totals, const struct ap_frame_stats *stats) {
+    totals->cells.visited += stats->cells.visited;
+    totals->cells.cone += stats->cells.cone;
+    totals->cells.size += stats->cells.size;
+    totals->cells.budget += stats->cells.budget;
     for (int eye = 0; eye < 2; eye++) {
         const struct ap_eye_stats *s = &stats->eye[eye];
         totals->draws += s->draws;

@@ -6,6 +6,7 @@
 
 #include "src/base/log.h"
 #include "src/base/number.h"
+#include "src/geom/cells.h"
 #include "src/track/setup.h"
 
 static enum ap_status check_positive(struct ap_error *err, const char *name, double value) {
@@ -29,6 +30,8 @@ static enum ap_status open_scene(struct ap_error *err, const struct ap_room_opti
         .table_edge_m = isnan(o->table_edge_m) ? 0 : o->table_edge_m,
         .table_height_m = isnan(o->table_height_m) ? 0 : o->table_height_m,
     };
+    if (o->scene && ap_scene_is_named(o->scene))
+        return ap_scene_named(err, o->scene, &params, scene);
     return o->scene ? ap_scene_read(err, o->scene, &params, scene)
                     : ap_scene_billiards(err, &params, scene);
 }
@@ -40,6 +43,9 @@ static enum ap_status open_tracker(struct ap_error *err, const struct ap_room_op
                                                               : "anchor";
     enum ap_tracker_kind kind;
     enum ap_status st = ap_tracker_kind_from_name(err, name, &kind);
+    if (!st && room->scene->honeycomb && kind == AP_TRACKER_BILLIARDS)
+        st = ap_fail(err, AP_USAGE,
+                     "--tracker billiards: a world of cells has no table (take anchor or naive)");
     if (st)
         return st;
     // Without a table the virtual base point corresponds to the room's origin.
@@ -112,6 +118,28 @@ void ap_room_renderer_params(const struct ap_room *room, struct ap_renderer_para
     params->decals = room->decals.coverage;
     params->decal_px = room->decals.cell_px;
     params->decal_count = room->decals.count;
+}
+
+enum ap_status ap_room_follow(struct ap_error *err, struct ap_room *room,
+                              struct ap_iso *world_from_head, struct ap_iso world_from_hand[2]) {
+    enum { MOST = 1000 }; // in one frame
+    const struct ap_honeycomb *h = room->scene->honeycomb;
+    struct ap_vec4 base = {0, 0, 0, room->scene->space.rho_m};
+    for (int i = 0; h && i < MOST; i++) {
+        int face = ap_cells_left_by(&h->tiling, ap_iso_apply(world_from_head, base));
+        if (face < 0)
+            break;
+        int back = h->pairing.to[face];
+        const struct ap_iso *step = &h->pairing.cell_from_neighbour[back];
+        enum ap_status st = ap_tracker_rebase(err, room->tracker, step, &h->pairing.low[back]);
+        if (st)
+            return st;
+        *world_from_head = ap_iso_mul(*step, *world_from_head);
+        for (int hand = 0; hand < 2; hand++)
+            world_from_hand[hand] = ap_iso_mul(*step, world_from_hand[hand]);
+        room->cells_crossed++;
+    }
+    return AP_OK;
 }
 
 void ap_room_switch_view(struct ap_room *room) {

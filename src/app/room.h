@@ -43,6 +43,8 @@ struct ap_room_options {
          "farthest that a surface may be seen from where it is (0.25)"},                           \
         {"samples", AP_OPTION_NUMBER, &(o).samples, "N", "a pixel: 4, 16 or 64 (4)"},              \
         {"scene", AP_OPTION_TEXT, &(o).scene, "FILE", "a scene (default: the billiards room)"},    \
+        {"scene", AP_OPTION_TEXT, &(o).scene, "FILE",                                              \
+         "a scene, or a name (docs/honeycombs.md); default: billiards"},                           \
         {"table-edge", AP_OPTION_NUMBER, &(o).table_edge_m, "M",                                   \
          "edge of the real square table (0.9)"},                                                   \
     {                                                                                              \
@@ -60,6 +62,7 @@ struct ap_room {
     bool has_table;              // the room has a physical table
     double max_error_px;         // 0: the renderer's default
     uint32_t samples;            // likewise
+    int64_t cells_crossed;       // in a world of cells: how often the head went on to another one
 };
 
 // Command line before scene file before defaults. AP_USAGE or AP_INPUT where they contradict.
@@ -69,6 +72,11 @@ void ap_room_close(struct ap_room *room);
 
 // What the renderer needs to know of the room: its texts.
 void ap_room_renderer_params(const struct ap_room *room, struct ap_renderer_params *params);
+
+// In a world of cells: where the head has left its cell, the world's frame becomes that of the cell
+// it is in, for the tracker and for these poses. After all devices of a frame have been placed.
+enum ap_status ap_room_follow(struct ap_error *err, struct ap_room *room,
+                              struct ap_iso *world_from_head, struct ap_iso world_from_hand[2]);
 
 // To tourist, or from there to native; for any frame.
 void ap_room_switch_view(struct ap_room *room);

@@ -14,6 +14,20 @@ enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
     list->items = calloc(8 * part_count + 1, sizeof *list->items);
     if (!list->items)
         return ap_fail(err, AP_ENVIRONMENT, "no memory to draw %zu parts", part_count);
+    list->room = 8 * part_count + 1;
+    return AP_OK;
+}
+
+enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap_draw_list *list) {
+    size_t room = list->count + more + 1;
+    if (room <= list->room)
+        return AP_OK;
+    room += room / 2;
+    struct ap_draw_item *items = realloc(list->items, room * sizeof *items);
+    if (!items)
+        return ap_fail(err, AP_ENVIRONMENT, "no memory to draw %zu parts", room);
+    list->items = items;
+    list->room = room;
     return AP_OK;
 }
 
@@ -36,7 +50,13 @@ static int compare_items(const void *left, const void *right) {
         return a->mesh.first_index < b->mesh.first_index ? -1 : 1;
     if (a->part != b->part)
         return a->part < b->part ? -1 : 1;
-    return a->image != b->image ? a->image - b->image : a->way - b->way;
+    if (a->image != b->image || a->way != b->way)
+        return a->image != b->image ? a->image - b->image : a->way - b->way;
+    // The same part of several cells: near before far.
+    double dw = a->nose_from_part.m[3][3] - b->nose_from_part.m[3][3];
+    return dw == 0 ? memcmp(&a->nose_from_part, &b->nose_from_part, sizeof a->nose_from_part)
+           : (dw < 0) == (a->image == 0) ? -1
+                                         : 1;
 }
 
 // Counts it for the eyes of `of`: drawn, or culled where it is not for them.
@@ -83,7 +103,8 @@ static bool born_way(const struct ap_viewer *viewer, double near_m, double far_m
 
 static void add_image(struct ap_draw_list *list, const struct ap_viewer *viewer,
                       struct ap_draw_item item, unsigned of, double near_m, double far_m) {
-    bool any = false, guard = item.pipeline == AP_PIPELINE_GUARD;
+    bool any = false,
+         guard = item.pipeline == AP_PIPELINE_GUARD || item.pipeline == AP_PIPELINE_GUARD_CLOSED;
     for (int way = 0; way < 2; way++) {
         bool across = false;
         if (!born_way(viewer, near_m, far_m, way, &across))
@@ -108,6 +129,15 @@ static void add_image(struct ap_draw_list *list, const struct ap_viewer *viewer,
     item.eyes = 0;
     if (!any)
         count(list, &item, of);
+}
+
+void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,
+                      const struct ap_draw_item *item, double near_m, double far_m) {
+    add_image(list, viewer, *item, 3, near_m, far_m);
+}
+
+void ap_draw_list_sort(struct ap_draw_list *list) {
+    qsort(list->items, list->count, sizeof *list->items, compare_items);
 }
 
 // What the bound costs: a mesh of more triangles made ahead gives way to one made for this frame,
@@ -199,7 +229,8 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
         struct ap_draw_item item = {.part = (uint32_t)index,
                                     .image = image,
                                     .eyes = place.eyes[image] & open_eyes,
-                                    .nose_from_part = place.nose_from_part};
+                                    .nose_from_part = place.nose_from_part,
+                                    .brightness = 1};
         const double range_m[2] = {image ? turn - place.far_m : place.near_m,
                                    image ? turn - place.near_m : place.far_m};
         bool guard = item.eyes != 0 && ap_needs_guard(viewer, params->eyes, &place);
@@ -236,14 +267,16 @@ enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_para
         list->range.far_m[image] = 0;
     }
     enum ap_status st = AP_OK;
+    const struct ap_honeycomb *cells = params->scene->honeycomb;
     for (size_t i = 0; st == AP_OK && i < params->scene->part_count; i++) {
         const struct ap_part *part = &params->scene->parts[i];
-        bool missing = (part->carrier == AP_CARRIER_LEFT && !input->hand_tracked[0]) ||
+        bool in_cells = part->carrier == AP_CARRIER_CELL ||
+                        (cells && cells->quotient && part->carrier != AP_CARRIER_WORLD);
+        bool missing = in_cells || (part->carrier == AP_CARRIER_LEFT && !input->hand_tracked[0]) ||
                        (part->carrier == AP_CARRIER_RIGHT && !input->hand_tracked[1]);
         if (!part->hidden && !missing)
             st = add_part(err, params, &where, i, list);
     }
-    qsort(list->items, list->count, sizeof *list->items, compare_items);
     return st;
 }
 
@@ -300,10 +333,18 @@ static void write_item(const struct ap_scene *scene, const struct ap_frame_input
     }
     struct ap_iso part_from_nose = ap_iso_inverse(space, item->nose_from_part);
     struct ap_vec4 nose = {0, 0, 0, space.rho_m};
-    ap_store_point(space, ap_iso_apply(&part_from_nose, lamp_nose), draw->lamp);
+    struct ap_vec4 lamp = ap_iso_apply(&part_from_nose, lamp_nose);
+    if (item->lamp_in_cell) {
+        struct ap_iso part_from_cell = ap_iso_inverse(space, part->carrier_from_part);
+        lamp = ap_iso_apply(&part_from_cell, scene->honeycomb->lamp);
+    }
+    ap_store_point(space, lamp, draw->lamp);
     ap_store_point(space, ap_iso_apply(&part_from_nose, nose), draw->nose);
-    for (int i = 0; i < 3; i++)
-        draw->color[i] = ap_linear_color(part->color_srgb[i]);
+    for (int i = 0; i < 3; i++) {
+        float own = ap_linear_color(part->color_srgb[i]);
+        float back = ap_linear_color(scene->background_srgb[i]);
+        draw->color[i] = item->brightness < 1 ? back + item->brightness * (own - back) : own;
+    }
     draw->color[3] = part->lit ? 1 : 0;
     double t = part->radius_m / space.rho_m;
     draw->shape[0] = (float)ap_space_sin(space, t);

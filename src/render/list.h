@@ -17,11 +17,13 @@ struct ap_draw_item {
     struct ap_mesh mesh;
     double far_m; // discs: their order
     struct ap_iso nose_from_part;
+    bool lamp_in_cell; // lit by its cell's lamp, not the scene's
+    float brightness;  // of cells: how far from the background's colour to its own; else 1
 };
 
 struct ap_draw_list {
-    struct ap_draw_item *items; // 8·part_count
-    size_t count;
+    struct ap_draw_item *items; // 8·part_count, and what is reserved
+    size_t count, room;
     struct ap_depth_range range;
     struct ap_frame_stats stats;
     // Meshes made for this frame alone, where none made ahead is good enough.
@@ -44,13 +46,22 @@ enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
 void ap_draw_list_destroy(struct ap_draw_list *list);
 
 // Places every part, drops what no eye can see before any vertex is touched, finds each one a mesh
-// that holds the bound, and sorts so that equal meshes follow one another. The order depends on the
-// input only. AP_ENVIRONMENT: no memory.
+// that holds the bound. AP_ENVIRONMENT: no memory.
 enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_params *params,
                                  struct ap_draw_list *list);
 
 // How many marks (shadows of balls, mouths of pockets) a frame may need.
 size_t ap_draw_list_marks_max(const struct ap_scene *scene);
+
+// Room for so many more items.
+enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap_draw_list *list);
+
+// Adds one part in one image, seen at distances near_m…far_m, if an eye sees it; counts it if not.
+void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,
+                      const struct ap_draw_item *item, double near_m, double far_m);
+// So that equal meshes follow one another, after the last one has been added; the order depends on
+// the input only.
+void ap_draw_list_sort(struct ap_draw_list *list);
 
 // Writes what the shaders need of each item, and the marks that surfaces take.
 void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_input *input,

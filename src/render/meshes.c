@@ -76,8 +76,14 @@ static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *sce
     case AP_PART_POLYGON:
         return add_polygon(err, scene->space, part, data, shape);
     case AP_PART_SOLID:
-        shape->levels = 1;
-        return ap_mesh_solid(err, scene->space, &scene->solids[part->solid], data, &shape->mesh[0]);
+        shape->levels = part->solid_levels > 1 ? part->solid_levels : 1;
+        for (int k = 0; st == AP_OK && k < shape->levels; k++) {
+            const struct ap_solid *solid = &scene->solids[part->solid + k];
+            st = ap_mesh_solid(err, scene->space, solid, data, &shape->mesh[k]);
+            shape->grain[k] = solid->turn_rad;
+            shape->step_m[k] = solid->longest_m;
+        }
+        return st;
     }
     return ap_fail(err, AP_INPUT, "a part of an unknown kind %d", (int)part->kind);
 }

@@ -132,8 +132,10 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
         .pVertexBindingDescriptions = &binding,
         .vertexAttributeDescriptionCount = 2,
         .pVertexAttributeDescriptions = attributes};
-    bool closed = kind == AP_PIPELINE_CLOSED || kind == AP_PIPELINE_FINISH;
+    bool closed = kind == AP_PIPELINE_CLOSED || kind == AP_PIPELINE_FINISH ||
+                  kind == AP_PIPELINE_GUARD_CLOSED;
     static const int SET[AP_PIPELINE_COUNT] = {[AP_PIPELINE_GUARD] = 1,
+                                               [AP_PIPELINE_GUARD_CLOSED] = 1,
                                                [AP_PIPELINE_FINISH] = 2,
                                                [AP_PIPELINE_FINISH_TWOSIDED] = 2,
                                                [AP_PIPELINE_DISC] = 3};

@@ -12,7 +12,8 @@ enum ap_pipeline_kind {
     AP_PIPELINE_FINISH,   // as these two, with light and material at every fragment
     AP_PIPELINE_FINISH_TWOSIDED,
     AP_PIPELINE_GUARD, // two-sided, and every fragment is looked at
-    AP_PIPELINE_DISC,  // src/render/disc.h; over all others, far before near
+    AP_PIPELINE_GUARD_CLOSED,
+    AP_PIPELINE_DISC, // src/render/disc.h; over all others, far before near
     AP_PIPELINE_COUNT
 };
 

@@ -193,7 +193,13 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
     case AP_PART_POLYGON:
         return edge_error(viewer, eyes, place, grain) < max_rad && grain < longest;
     case AP_PART_SOLID:
-        break;
+        if (shape->levels < 2)
+            return true;
+        return (radius > 0 ? outline_error(viewer, eyes, radius, place->near_m + radius, grain)
+                           : 0) +
+                       edge_error(viewer, eyes, place, step) <
+                   max_rad &&
+               step < longest;
     }
     return true;
 }

@@ -14,7 +14,7 @@ struct ap_place {
 
 struct ap_place_params {
     const struct ap_viewer *viewer;
-    struct ap_iso nose_from_carrier[3]; // by enum ap_carrier
+    struct ap_iso nose_from_carrier[3]; // by enum ap_carrier, but for cells
     bool no_cull;
 };
 

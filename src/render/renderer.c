@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/render/cells.h"
 #include "src/render/decals.h"
 #include "src/render/list.h"
 #include "src/render/resolve.h"
@@ -34,6 +35,7 @@ struct ap_renderer {
     struct ap_meshes meshes;
     struct ap_draw_list list;
     struct ap_decals decals;
+    struct ap_cell_view cells; // of a scene of cells
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout layout;
     VkDescriptorPool descriptors;
@@ -123,17 +125,7 @@ static enum ap_status create_layouts(struct ap_error *err, struct ap_renderer *r
                        "vkCreateDescriptorPool");
 }
 
-static enum ap_status fill_slot_set(struct ap_error *err, struct ap_renderer *r,
-                                    struct slot *slot) {
-    VkDescriptorSetAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                        .descriptorPool = r->descriptors,
-                                        .descriptorSetCount = 1,
-                                        .pSetLayouts = &r->set_layout};
-    enum ap_status st =
-        ap_vk_check(err, vkAllocateDescriptorSets(r->gpu->device, &info, &slot->set),
-                    "vkAllocateDescriptorSets");
-    if (st != AP_OK)
-        return st;
+static void bind_slot_set(const struct ap_renderer *r, const struct slot *slot) {
     const VkDescriptorBufferInfo buffers[4] = {{slot->frame.buffer, 0, VK_WHOLE_SIZE},
                                                {slot->draws.buffer, 0, VK_WHOLE_SIZE},
                                                {0},
@@ -153,6 +145,20 @@ static enum ap_status fill_slot_set(struct ap_error *err, struct ap_renderer *r,
                                            .pBufferInfo = i == 2 ? NULL : &buffers[i],
                                            .pImageInfo = i == 2 ? &image : NULL};
     vkUpdateDescriptorSets(r->gpu->device, 4, writes, 0, NULL);
+}
+
+static enum ap_status fill_slot_set(struct ap_error *err, struct ap_renderer *r,
+                                    struct slot *slot) {
+    VkDescriptorSetAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                        .descriptorPool = r->descriptors,
+                                        .descriptorSetCount = 1,
+                                        .pSetLayouts = &r->set_layout};
+    enum ap_status st =
+        ap_vk_check(err, vkAllocateDescriptorSets(r->gpu->device, &info, &slot->set),
+                    "vkAllocateDescriptorSets");
+    if (st != AP_OK)
+        return st;
+    bind_slot_set(r, slot);
     return AP_OK;
 }
 
@@ -162,7 +168,7 @@ static enum ap_status create_slot(struct ap_error *err, struct ap_renderer *r, s
                                        .commandPool = r->pool,
                                        .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
                                        .commandBufferCount = 1};
-    VkDeviceSize draws = (4 * r->scene->part_count + 1) * sizeof(struct ap_gpu_draw);
+    VkDeviceSize draws = (8 * r->scene->part_count + 1) * sizeof(struct ap_gpu_draw);
     enum ap_status st = ap_vk_check(err, vkCreateFence(r->gpu->device, &fence, NULL, &slot->fence),
                                     "vkCreateFence");
     if (st == AP_OK)
@@ -201,6 +207,8 @@ static enum ap_status create_parts(struct ap_error *err, struct ap_renderer *r) 
     r->params.decals = NULL; // the caller's
     if (st == AP_OK)
         st = ap_draw_list_create(err, r->scene->part_count, &r->list);
+    if (st == AP_OK && r->scene->honeycomb)
+        st = ap_cell_view_create(err, r->scene, &r->meshes, &r->cells);
     for (int i = 0; st == AP_OK && i < RING; i++)
         st = create_slot(err, r, &r->slot[i]);
     return st;
@@ -273,6 +281,7 @@ void ap_renderer_destroy(struct ap_renderer *r) {
     ap_resolve_destroy(r->gpu, &r->resolve);
     ap_draw_list_destroy(&r->list);
     ap_decals_destroy(r->gpu, &r->decals);
+    ap_cell_view_destroy(&r->cells);
     ap_meshes_destroy(r->gpu, &r->meshes);
     vkDestroyDescriptorPool(device, r->descriptors, NULL);
     vkDestroyPipelineLayout(device, r->layout, NULL);
@@ -431,6 +440,23 @@ static enum ap_status take_refined(struct ap_error *err, const struct ap_rendere
     return st;
 }
 
+// The list may be longer than any before; the slot is not in use.
+static enum ap_status hold_draws(struct ap_error *err, const struct ap_renderer *r,
+                                 struct slot *slot) {
+    VkDeviceSize size = r->list.room * sizeof(struct ap_gpu_draw);
+    if (r->list.count * sizeof(struct ap_gpu_draw) <= slot->draws.size)
+        return AP_OK;
+    struct ap_gpu_buffer larger = {0};
+    enum ap_status st =
+        ap_gpu_buffer_create(err, r->gpu, size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true, &larger);
+    if (st != AP_OK)
+        return st;
+    ap_gpu_buffer_destroy(r->gpu, &slot->draws);
+    slot->draws = larger;
+    bind_slot_set(r, slot);
+    return AP_OK;
+}
+
 enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
                                 const struct ap_frame_input *input, const struct ap_target *target,
                                 struct ap_frame_stats *stats) {
@@ -453,8 +479,13 @@ enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
     st = ap_draw_list_fill(err, &what, &r->list);
     if (st == AP_OK)
         st = take_refined(err, r, slot);
+    if (st == AP_OK && r->scene->honeycomb)
+        st = ap_cell_view_fill(err, &r->cells, &what, &r->list);
+    if (st == AP_OK)
+        st = hold_draws(err, r, slot);
     if (st != AP_OK)
         return st;
+    ap_draw_list_sort(&r->list);
     struct ap_gpu_frame frame = ap_frame_of(viewer);
     ap_frame_light(viewer, &eyes, r->scene->lamp_reach_m, r->scene->lamp_radius_m, &frame);
     ap_frame_depth(viewer, &eyes, &r->list.range, &frame);

@@ -6,6 +6,7 @@
 
 #include "src/gpu/gpu.h"
 #include "src/scene/scene.h"
+#include "src/view/portal.h"
 #include "src/view/view.h"
 
 // Draws a scene for both eyes with Vulkan: nose-from-object matrices made in double on the CPU, the
@@ -59,6 +60,7 @@ struct ap_frame_stats {
     uint32_t refined; // parts·images whose triangles were made for this frame (src/render/refine.h)
     uint32_t beyond_bound; // parts·images that even the finest triangles show farther off than
                            // max_error_px
+    struct ap_portal_stats cells; // of a scene of cells
 };
 
 // Draws into two images (or two layers of one): image + array layer per eye, created with

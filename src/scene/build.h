@@ -55,6 +55,9 @@ struct ap_part ap_stick_part(struct ap_iso place, double length_m, double radius
 struct ap_part ap_polygon_part(struct ap_iso place, int sides, double edge_m, unsigned rgb);
 struct ap_part ap_solid_part(struct ap_iso place, int solid, unsigned rgb);
 
+// Every point of the part lies within so many metres of its place.
+double ap_part_reach(const struct ap_scene *scene, const struct ap_part *part);
+
 // translate(0, 0, z)·… and the like.
 struct ap_iso ap_shift(struct ap_space space, double x, double y, double z);
 

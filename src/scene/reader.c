@@ -6,6 +6,7 @@
 
 #include "src/base/file.h"
 #include "src/base/json.h"
+#include "src/scene/honeycomb.h"
 
 enum { MAX_OBJECTS = 100000, MAX_SIDES = 64 };
 
@@ -15,6 +16,8 @@ struct reader {
     const char *path;
     bool table, hands, cue; // each at most once
     struct ap_json_at objects;
+    struct ap_honeycomb_plan plan; // where there is a honeycomb or a quotient
+    bool has_plan;
 };
 
 static bool hex_color(const char *text, unsigned *rgb) {
@@ -329,15 +332,15 @@ static enum ap_status read_single(struct ap_error *err, struct reader *r,
 
 static enum ap_status read_object(struct ap_error *err, struct reader *r,
                                   const struct ap_json_at *at) {
-    static const char *const kinds[] = {"ball",  "stick", "polygon", "model",
-                                        "table", "hands", "cue",     NULL};
+    static const char *const kinds[] = {"ball",  "stick", "polygon",   "model",    "table",
+                                        "hands", "cue",   "honeycomb", "quotient", NULL};
     enum ap_status st = ap_json_check_keys(err, at, kinds);
     if (st)
         return st;
     if (json_object_size(at->value) != 1)
         return ap_json_fail(err, at,
                             "expected one of ball, stick, polygon, model, table, hands, "
-                            "cue in each object");
+                            "cue, honeycomb, quotient in each object");
     const char *kind = json_object_iter_key(json_object_iter((json_t *)at->value));
     struct ap_json_at thing = ap_json_member(at, kind);
     if (strcmp(kind, "ball") == 0)
@@ -352,7 +355,9 @@ static enum ap_status read_object(struct ap_error *err, struct reader *r,
         return read_single(err, r, &thing, &r->table, ap_furnish_table);
     if (strcmp(kind, "hands") == 0)
         return read_single(err, r, &thing, &r->hands, ap_furnish_hands);
-    return read_single(err, r, &thing, &r->cue, ap_furnish_cue);
+    if (strcmp(kind, "cue") == 0)
+        return read_single(err, r, &thing, &r->cue, ap_furnish_cue);
+    return ap_furnish_honeycomb(err, &thing, &r->plan, &r->build);
 }
 
 static int by_name(const void *a, const void *b) {
@@ -447,6 +452,59 @@ static enum ap_status check_objects(struct ap_error *err, const struct ap_json_a
     return AP_OK;
 }
 
+// The tiling, if there is one, has a say in what the space is.
+static enum ap_status read_plan(struct ap_error *err, struct reader *r,
+                                struct ap_space_request *request) {
+    static const char *const kinds[] = {"honeycomb", "quotient"};
+    size_t count = json_array_size(r->objects.value);
+    enum ap_status st = AP_OK;
+    for (size_t i = 0; i < 2 * count && !st; i++) {
+        struct ap_json_at object = ap_json_element(&r->objects, i / 2);
+        struct ap_json_at at = ap_json_member(&object, kinds[i % 2]);
+        if (!at.value)
+            continue;
+        if (r->has_plan)
+            return ap_json_fail(err, &at, "a scene has only one honeycomb or quotient");
+        if (request->has_table)
+            return ap_json_fail(err, &at, "a scene of cells has no table");
+        r->has_plan = true;
+        st = ap_honeycomb_plan_read(err, &at, &r->plan);
+    }
+    if (st || !r->has_plan)
+        return st;
+    if (!request->file_space_name)
+        request->file_space_name = ap_space_name((struct ap_space){r->plan.kappa, 1});
+    if (!(request->file_radius_m > 0))
+        request->file_radius_m = ap_honeycomb_radius(&r->plan);
+    return AP_OK;
+}
+
+// What stands in a world of cells stands in each of them, and must be inside of it: a cell is seen
+// through its faces.
+static enum ap_status into_cells(struct ap_error *err, struct reader *r) {
+    struct ap_scene *s = r->build.scene;
+    struct ap_vec4 base = {0, 0, 0, s->space.rho_m};
+    for (size_t i = 0; i < s->part_count; i++) {
+        struct ap_part *p = &s->parts[i];
+        if (p->carrier != AP_CARRIER_WORLD)
+            continue;
+        p->carrier = AP_CARRIER_CELL;
+        double reach = ap_part_reach(s, p);
+        double most = ap_space_sin(s->space, reach / s->space.rho_m);
+        for (int f = 0; f < s->honeycomb->tiling.face_count; f++) {
+            double beyond = ap_tiling_beyond(&s->honeycomb->tiling,
+                                             ap_iso_apply(&p->carrier_from_part, base), f);
+            struct ap_json_at object = ap_json_element(&r->objects, (size_t)p->object);
+            if (beyond > -most)
+                return ap_json_fail(err, &object,
+                                    "reaches out of the cell through face %d: everything in a "
+                                    "world of cells is in each cell, and inside of it",
+                                    f);
+        }
+    }
+    return AP_OK;
+}
+
 static enum ap_status read_objects(struct ap_error *err, struct reader *r,
                                    const struct ap_json_at *root) {
     unsigned background = 0x000000;
@@ -459,6 +517,8 @@ static enum ap_status read_objects(struct ap_error *err, struct reader *r,
         r->build.object = (int)i;
         st = read_object(err, r, &object);
     }
+    if (!st && r->has_plan)
+        st = into_cells(err, r);
     return st ? st : find_targets(err, r);
 }
 
@@ -477,6 +537,8 @@ static enum ap_status read_root(struct ap_error *err, const char *path, const js
     if (!st)
         st = read_space(err, &root, &request);
     if (!st)
+        st = read_plan(err, &r, &request);
+    if (!st)
         st = ap_build_init(err, &request, &r.build);
     if (st)
         return st;
@@ -484,6 +546,11 @@ static enum ap_status read_root(struct ap_error *err, const char *path, const js
     if (st)
         ap_build_abort(&r.build);
     return st ? st : ap_build_finish(err, &r.build, scene);
+}
+
+enum ap_status ap_scene_from_json(struct ap_error *err, const char *name, const json_t *document,
+                                  const struct ap_scene_params *params, struct ap_scene **scene) {
+    return read_root(err, name, document, params, scene);
 }
 
 enum ap_status ap_scene_read(struct ap_error *err, const char *path,

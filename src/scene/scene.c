@@ -186,6 +186,22 @@ struct ap_part ap_solid_part(struct ap_iso place, int solid, unsigned rgb) {
     return part;
 }
 
+double ap_part_reach(const struct ap_scene *scene, const struct ap_part *part) {
+    double circum = 0, in;
+    switch (part->kind) {
+    case AP_PART_BALL:
+        return part->radius_m;
+    case AP_PART_STICK:
+        return part->length_m / 2 + fmax(part->radius_m, part->radius2_m);
+    case AP_PART_POLYGON:
+        ap_regular_polygon(NULL, scene->space, part->sides, part->edge_m, &circum, &in);
+        return circum;
+    case AP_PART_SOLID:
+        break;
+    }
+    return scene->solids[part->solid].reach_m;
+}
+
 struct ap_iso ap_shift(struct ap_space space, double x, double y, double z) {
     return ap_iso_translate(space, (struct ap_vec3){x, y, z});
 }
@@ -213,6 +229,7 @@ void ap_scene_destroy(struct ap_scene *scene) {
         free(scene->solids[i].indices);
     }
     free(scene->solids);
+    free(scene->honeycomb);
     free(scene->parts);
     free(scene->decals);
     free(scene);

@@ -7,6 +7,7 @@
 
 #include "src/base/status.h"
 #include "src/geom/isometry.h"
+#include "src/geom/pairing.h"
 
 // What is in the world: a flat list of parts. Everything in a scene file (balls, sticks, polygons,
 // models, the table, the hands, the cue) becomes parts, each one mesh under one isometry, so that
@@ -33,8 +34,8 @@ enum ap_finish {
 };
 
 // What carries a part: its place is carrier_from_part, relative to the world or to a tracked device
-// whose virtual pose changes every frame.
-enum ap_carrier { AP_CARRIER_WORLD, AP_CARRIER_LEFT, AP_CARRIER_RIGHT };
+// whose virtual pose changes every frame; or to each cell of the scene's tiling.
+enum ap_carrier { AP_CARRIER_WORLD, AP_CARRIER_LEFT, AP_CARRIER_RIGHT, AP_CARRIER_CELL };
 
 // A shared triangle mesh in metres (tangent vectors), outward normals, three indices a triangle.
 struct ap_solid {
@@ -43,6 +44,9 @@ struct ap_solid {
     unsigned *indices;
     size_t vertex_count, index_count;
     double reach_m; // largest |position|
+    // A level of a part with several: its longest edge, and half the angle that a facet of its
+    // round side turns by (the part's radius_m is the round side's). 0: not known.
+    double longest_m, turn_rad;
 };
 
 // A short text on balls (AP_FINISH_POOL, _STRIPED).
@@ -66,6 +70,8 @@ struct ap_part {
     int sides;                            // polygon
     double edge_m;
     int solid;            // index into scene->solids
+    int solid_levels;     // 0: one; else so many from `solid` on, coarse before fine
+    bool one_sided;       // a solid that is never seen from behind
     double color_srgb[3]; // 0…1, as written in the file; unlit parts show exactly this
     bool lit;
     enum ap_finish finish;
@@ -77,6 +83,17 @@ struct ap_part {
     bool target;       // an unlit ball with a colour used once
     int pool_ball;     // 1 + its number (the cue ball's is 0), for who plays; 0: none
     int object;        // index of the scene object it came from
+};
+
+// A world of cells: what is in one is in each. The world's frame is that of the cell that the
+// visitor is in; when she leaves it, world and trackers move on to the next (ap_cells_left_by).
+struct ap_honeycomb {
+    struct ap_tiling tiling;
+    struct ap_pairing pairing;
+    bool quotient;       // the cells are one: the hands are in each of them
+    double horizon_px;   // a cell that is seen with less than this radius is not drawn
+    size_t budget_bytes; // for the cells that are known
+    struct ap_vec4 lamp; // of each cell, in its frame
 };
 
 struct ap_scene {
@@ -97,6 +114,7 @@ struct ap_scene {
     size_t decal_count;
     struct ap_mouth mouths[AP_MOUTHS_MAX];
     int mouth_count;
+    struct ap_honeycomb *honeycomb; // NULL: the world is not made of cells
 };
 
 struct ap_scene_params {
@@ -119,6 +137,16 @@ enum ap_status ap_scene_billiards(struct ap_error *err, const struct ap_scene_pa
 // (before a renderer is made of the scene); *first is the first one's index.
 enum ap_status ap_scene_add(struct ap_error *err, struct ap_scene *scene,
                             const struct ap_part *part, size_t count, size_t *first);
+// The same from a document that is read already; `name` stands for the file's in messages.
+enum ap_status ap_scene_from_json(struct ap_error *err, const char *name, const json_t *document,
+                                  const struct ap_scene_params *params, struct ap_scene **scene);
+
+// Scenes with a name: honeycomb:P,Q,R, torus, poincare-dodecahedral, seifert-weber,
+// mirrored-dodecahedron, each with words after it as in docs/honeycombs.md. AP_USAGE for a word
+// that is not known or a space that is not the tiling's, else as ap_scene_read.
+bool ap_scene_is_named(const char *text);
+enum ap_status ap_scene_named(struct ap_error *err, const char *text,
+                              const struct ap_scene_params *params, struct ap_scene **scene);
 
 void ap_scene_destroy(struct ap_scene *scene);
 

@@ -34,3 +34,19 @@ void ap_anchored_carry(struct ap_anchored *anchored, struct ap_pose room_from_gr
     ap_wide_move(anchored->space, &way, &anchored->world_from_anchor);
     ap_wide_unmove(anchored->space, &grip, &anchored->world_from_anchor);
 }
+
+void ap_anchored_rebase(struct ap_anchored *anchored, const struct ap_iso *high,
+                        const struct ap_iso *low) {
+    struct ap_wide_iso old = anchored->world_from_anchor;
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            struct ap_dd sum = ap_dd_of(0);
+            for (int k = 0; k < 4; k++) {
+                struct ap_dd a = {high->m[i][k], low->m[i][k]};
+                struct ap_dd b = {old.hi.m[k][j], old.lo.m[k][j]};
+                sum = ap_dd_add(sum, ap_dd_mul(a, b));
+            }
+            anchored->world_from_anchor.hi.m[i][j] = sum.hi;
+            anchored->world_from_anchor.lo.m[i][j] = sum.lo;
+        }
+}

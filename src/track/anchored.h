@@ -51,4 +51,9 @@ struct ap_iso ap_anchored_place(const struct ap_anchored *anchored,
 void ap_anchored_carry(struct ap_anchored *anchored, struct ap_pose room_from_grip,
                        struct ap_pose motion);
 
+// The world's coordinates change: V ← m·V, m = high + low an isometry. A walker of a tiling keeps
+// to the frame of the cell that she is in by this.
+void ap_anchored_rebase(struct ap_anchored *anchored, const struct ap_iso *high,
+                        const struct ap_iso *low);
+
 #endif

@@ -323,6 +323,18 @@ enum ap_status ap_tracker_carry(struct ap_error *err, struct ap_tracker *tracker
     return AP_OK;
 }
 
+enum ap_status ap_tracker_rebase(struct ap_error *err, struct ap_tracker *tracker,
+                                 const struct ap_iso *high, const struct ap_iso *low) {
+    if (tracker->params.kind == AP_TRACKER_BILLIARDS)
+        return ap_fail(err, AP_USAGE,
+                       "the tracker 'billiards' holds the visitor to its table: take 'anchor' to "
+                       "walk from cell to cell");
+    ap_anchored_rebase(&tracker->anchored, high, low);
+    for (size_t i = 0; i < tracker->device_count; i++)
+        ap_anchored_rebase(&tracker->devices[i].anchored, high, low);
+    return AP_OK;
+}
+
 int64_t ap_tracker_dropped(const struct ap_tracker *tracker) {
     return tracker->dropped;
 }

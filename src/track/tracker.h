@@ -67,4 +67,9 @@ bool ap_tracker_place(const struct ap_tracker *tracker, struct ap_pose table_fro
 enum ap_status ap_tracker_carry(struct ap_error *err, struct ap_tracker *tracker,
                                 struct ap_pose table_from_grip, struct ap_pose motion);
 
+// The world's coordinates change (ap_anchored_rebase) for everything that moves in it. AP_USAGE in
+// billiards: the table stands where it stands.
+enum ap_status ap_tracker_rebase(struct ap_error *err, struct ap_tracker *tracker,
+                                 const struct ap_iso *high, const struct ap_iso *low);
+
 #endif

@@ -340,7 +340,12 @@ static void solids_are_drawn_where_they_are(void **state) {
     float positions[12] = {-0.1f, -0.1f, 0, 0.1f, -0.1f, 0, 0.1f, 0.1f, 0, -0.1f, 0.1f, 0};
     float normals[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
     unsigned indices[6] = {0, 1, 2, 0, 2, 3};
-    struct ap_solid solid = {positions, normals, indices, 4, 6, 0.1415};
+    struct ap_solid solid = {.positions = positions,
+                             .normals = normals,
+                             .indices = indices,
+                             .vertex_count = 4,
+                             .index_count = 6,
+                             .reach_m = 0.1415};
     for (int s = 0; s < 3; s++) {
         struct ap_part part = stage_ball(SPACES[s], (struct ap_vec3){0, 0, -0.5}, 0, RED);
         part.kind = AP_PART_SOLID;

@@ -132,7 +132,9 @@ static enum ap_status place_all(struct ap_error *err, struct ap_body *body,
                 place(&st, err, body, hand_names[h], &frame->hand[h].grip, &input->hand_tracked[h],
                       &input->world_from_hand[h]);
     }
-    return st;
+    return st ? st
+              : ap_room_follow(err, body->room, &input->viewer.world_from_nose,
+                               input->world_from_hand);
 }
 
 enum ap_status ap_body_step(struct ap_error *err, struct ap_body *body,

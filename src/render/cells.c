@@ -1,0 +1,233 @@
+#include "src/render/cells.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "src/base/log.h"
+
+static const double PI = 3.14159265358979323846;
+
+// What one frame has in common.
+struct frame {
+    const struct ap_scene *scene;
+    const struct ap_meshes *meshes;
+    const struct ap_frame_input *input;
+    const struct ap_viewer *viewer;
+    const struct ap_eyes *eyes;
+    struct ap_sides sides;
+    double horizon_m, faint_m; // where parts are gone, and where they begin to fade
+    double least_rad;          // the half angle that is no longer drawn
+    double max_error_px;
+    bool no_cull;
+    struct ap_cell_view *view;
+    struct ap_draw_list *list;
+    struct ap_iso cell_from_hand[2];
+};
+
+static bool in_cells(const struct ap_scene *scene, const struct ap_part *part) {
+    return part->carrier == AP_CARRIER_CELL ||
+           (scene->honeycomb->quotient && part->carrier != AP_CARRIER_WORLD);
+}
+
+enum ap_status ap_cell_view_create(struct ap_error *err, const struct ap_scene *scene,
+                                   const struct ap_meshes *meshes, struct ap_cell_view *view) {
+    const struct ap_honeycomb *h = scene->honeycomb;
+    memset(view, 0, sizeof *view);
+    view->parts = calloc(scene->part_count + 1, sizeof *view->parts);
+    view->level = calloc(meshes->shape_count + 1, 1);
+    view->shape_count = meshes->shape_count;
+    if (!view->parts || !view->level)
+        return ap_fail(err, AP_ENVIRONMENT, "no memory for the parts of a cell");
+    for (size_t i = 0; i < scene->part_count; i++)
+        if (in_cells(scene, &scene->parts[i]))
+            view->parts[view->part_count++] = i;
+    return ap_cells_create(err, &h->tiling, &h->pairing, h->budget_bytes, &view->cells);
+}
+
+void ap_cell_view_destroy(struct ap_cell_view *view) {
+    free(view->parts);
+    free(view->level);
+    ap_cells_destroy(view->cells);
+    ap_portal_finish(&view->portal);
+    memset(view, 0, sizeof *view);
+}
+
+// 1 near by, 0 at the horizon; in s3 a part of it is kept all the way round.
+static float brightness(const struct frame *f, const struct ap_seen_cell *cell) {
+    double rho = f->viewer->space.rho_m, d = cell->distance_m;
+    if (f->viewer->space.kappa > 0) {
+        d = cell->image ? 2 * PI * rho - d : d;
+        return (float)(1 - 0.8 * d / (2 * PI * rho));
+    }
+    double edge = (f->horizon_m - d) / (f->horizon_m - f->faint_m);
+    return (float)(fmin(1, fmax(0, edge)) * (1 - 0.5 * d / f->horizon_m));
+}
+
+// A mirrored cell's pieces are their own mirror images, so that a rotation does for them.
+static struct ap_iso unmirrored(struct ap_iso m) {
+    for (int i = 0; i < 4; i++)
+        m.m[i][0] = -m.m[i][0];
+    return m;
+}
+
+static struct ap_mesh mesh_of(const struct frame *f, size_t index, bool near_cell,
+                              const struct ap_place *place) {
+    size_t s = f->meshes->shape_of_part[index];
+    const struct ap_shape *shape = &f->meshes->shapes[s];
+    signed char *level = &f->view->level[s];
+    // Near by each part has its own, farther off the whole cell has one.
+    if (near_cell || *level < 0) {
+        int chosen;
+        bool held = ap_choose_level(f->viewer, f->eyes, &f->scene->parts[index], shape, place,
+                                    f->max_error_px, &chosen);
+        f->list->stats.beyond_bound += !held;
+        *level = (signed char)chosen;
+    }
+    return shape->mesh[*level];
+}
+
+static enum ap_pipeline_kind pipeline_of(const struct ap_part *part, bool guard) {
+    bool closed = part->one_sided || part->kind == AP_PART_BALL || part->kind == AP_PART_STICK;
+    if (guard)
+        return closed ? AP_PIPELINE_GUARD_CLOSED : AP_PIPELINE_GUARD;
+    return closed ? AP_PIPELINE_CLOSED : AP_PIPELINE_TWOSIDED;
+}
+
+static bool is_hand(const struct ap_part *part) {
+    return part->carrier == AP_CARRIER_LEFT || part->carrier == AP_CARRIER_RIGHT;
+}
+
+static struct ap_iso place_of(const struct frame *f, const struct ap_seen_cell *cell,
+                              const struct ap_part *part) {
+    struct ap_iso nose_from_carrier = cell->nose_from_cell;
+    if (is_hand(part))
+        nose_from_carrier =
+            ap_iso_mul(nose_from_carrier, f->cell_from_hand[part->carrier == AP_CARRIER_RIGHT]);
+    struct ap_iso m = ap_iso_mul(nose_from_carrier, part->carrier_from_part);
+    bool symmetric = part->one_sided || part->kind != AP_PART_SOLID;
+    return cell->reverses && symmetric ? unmirrored(m) : m;
+}
+
+// Hands are small, and many triangles: what of them is seen from this cell, 1 near by and 0 where
+// they are smaller than the smallest cell that is drawn.
+static float hand_brightness(const struct frame *f, const struct ap_seen_cell *cell,
+                             double reach_m) {
+    struct ap_space space = f->viewer->space;
+    double rho = space.rho_m, d = cell->distance_m;
+    double size = ap_space_sin(space, reach_m / rho) / fmax(ap_space_sin(space, d / rho), 1e-9);
+    return (float)fmin(1, fmax(0, size / sin(f->least_rad) - 1));
+}
+
+static void add(const struct frame *f, const struct ap_seen_cell *cell, size_t index) {
+    const struct ap_part *part = &f->scene->parts[index];
+    struct ap_space space = f->viewer->space;
+    double rho = space.rho_m, reach_m = f->meshes->reach_m[index];
+    struct ap_draw_item item = {.part = (uint32_t)index,
+                                .image = cell->image,
+                                .eyes = 3,
+                                .lamp_in_cell = true,
+                                .brightness = brightness(f, cell)};
+    if (is_hand(part))
+        item.brightness *= hand_brightness(f, cell, reach_m);
+    if (item.brightness <= 0)
+        return;
+    item.nose_from_part = place_of(f, cell, part);
+    struct ap_vec4 centre = {rho * item.nose_from_part.m[0][3], rho * item.nose_from_part.m[1][3],
+                             rho * item.nose_from_part.m[2][3], rho * item.nose_from_part.m[3][3]};
+    if (!f->no_cull && f->viewer->mode != AP_VIEW_BORN && cell->within != 3)
+        item.eyes = ap_sides_see_ball(&f->sides, space, centre, reach_m, cell->image);
+    item.eyes &= ~f->input->closed_eyes;
+    struct ap_place place = {
+        .nose_from_part = item.nose_from_part, .near_m = cell->near_m, .far_m = cell->far_m};
+    bool near_cell = cell->near_m < 2 * (cell->far_m - cell->near_m) || space.kappa > 0;
+    if (near_cell && item.eyes) {
+        double d = ap_vec3_length(ap_log_unchecked(space, centre, 0));
+        place.near_m = fmax(0, d - reach_m);
+        place.far_m = space.kappa > 0 ? fmin(d + reach_m, PI * rho) : d + reach_m;
+    }
+    item.mesh = item.eyes ? mesh_of(f, index, near_cell, &place)
+                          : f->meshes->shapes[f->meshes->shape_of_part[index]].mesh[0];
+    item.pipeline = pipeline_of(part, ap_needs_guard(f->viewer, f->eyes, &place));
+    double turn = 2 * PI * rho;
+    ap_draw_list_add(f->list, f->viewer, &item, cell->image ? turn - place.far_m : place.near_m,
+                     cell->image ? turn - place.near_m : place.far_m);
+}
+
+static bool missing(const struct frame *f, const struct ap_part *part) {
+    return part->hidden || (part->carrier == AP_CARRIER_LEFT && !f->input->hand_tracked[0]) ||
+           (part->carrier == AP_CARRIER_RIGHT && !f->input->hand_tracked[1]);
+}
+
+// In a quotient a hand that reaches out of the cell comes in by another face.
+static void bring_hands_in(struct frame *f) {
+    const struct ap_honeycomb *h = f->scene->honeycomb;
+    struct ap_vec4 base = {0, 0, 0, f->viewer->space.rho_m};
+    for (int hand = 0; hand < 2; hand++) {
+        struct ap_iso *m = &f->cell_from_hand[hand];
+        *m = f->input->world_from_hand[hand];
+        for (int step = 0; f->input->hand_tracked[hand] && step < 16; step++) {
+            int face = ap_cells_left_by(&h->tiling, ap_iso_apply(m, base));
+            if (face < 0)
+                break;
+            *m = ap_iso_mul(h->pairing.cell_from_neighbour[h->pairing.to[face]], *m);
+        }
+    }
+}
+
+static void set_horizon(struct frame *f) {
+    const struct ap_honeycomb *h = f->scene->honeycomb;
+    double pixels = fmax(f->eyes->pixels[0], f->eyes->pixels[1]);
+    double angle = atan(h->horizon_px / pixels), reach = h->tiling.circumradius_m;
+    f->least_rad = fmin(angle, 1);
+    f->horizon_m = ap_horizon_m(f->viewer->space, reach, angle);
+    f->faint_m = ap_horizon_m(f->viewer->space, reach, fmin(2.5 * angle, 1.2));
+    f->faint_m = fmin(f->faint_m, 0.9 * f->horizon_m);
+}
+
+static void tell_budget(struct ap_cell_view *view, const struct ap_portal_stats *s) {
+    if (s->budget == 0 || view->warned)
+        return;
+    view->warned = true;
+    ap_log(AP_LOG_WARNING,
+           "the budget for cells is used up after %zu of them: the world ends nearer than its "
+           "horizon (give a larger budget, or a nearer horizon)",
+           view->cells->count);
+}
+
+enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view,
+                                 const struct ap_list_params *what, struct ap_draw_list *list) {
+    const struct ap_scene *scene = what->scene;
+    const struct ap_viewer *viewer = &what->input->viewer;
+    struct frame f = {.scene = scene,
+                      .meshes = what->meshes,
+                      .input = what->input,
+                      .viewer = viewer,
+                      .eyes = what->eyes,
+                      .max_error_px = what->max_error_px,
+                      .no_cull = what->no_cull,
+                      .view = view,
+                      .list = list,
+                      .sides = ap_sides_of(viewer)};
+    set_horizon(&f);
+    bring_hands_in(&f);
+    // A frame's list takes some 300 bytes a part.
+    size_t most = scene->honeycomb->budget_bytes / (512 * (view->part_count + 1)) + 64;
+    const struct ap_portal_params params = {
+        .viewer = viewer, .horizon_m = f.horizon_m, .most_cells = most, .no_cull = what->no_cull};
+    struct ap_portal_stats stats;
+    enum ap_status st = ap_portal_walk(err, view->cells, &params, &view->portal, &stats);
+    if (st)
+        return st;
+    tell_budget(view, &stats);
+    list->stats.cells = stats;
+    st = ap_draw_list_reserve(err, 2 * view->part_count * view->portal.count, list);
+    for (size_t i = 0; !st && i < view->portal.count; i++) {
+        const struct ap_seen_cell *cell = &view->portal.seen[i];
+        memset(view->level, -1, view->shape_count);
+        for (size_t k = 0; k < view->part_count; k++)
+            if (!missing(&f, &scene->parts[view->parts[k]]))
+                add(&f, cell, view->parts[k]);
+    }
+    return st;
+}

@@ -1,0 +1,222 @@
+#include "src/scene/honeycomb.h"
+
+// The pieces of a cell as meshes. Points are found on the space and handed over as tangent vectors
+// at the piece's place.
+
+static struct ap_vec3 log_of(struct ap_space space, struct ap_vec4 p) {
+    return ap_log_unchecked(space, p, 0);
+}
+
+static double between(struct ap_space space, struct ap_vec3 a, struct ap_vec3 b) {
+    struct ap_iso a_from = ap_iso_inverse(space, ap_iso_translate(space, a));
+    return ap_vec3_length(log_of(space, ap_iso_apply(&a_from, ap_exp(space, b))));
+}
+
+struct ap_iso ap_wall_place(const struct ap_tiling *t, int face) {
+    return ap_iso_mul(t->symmetry[t->turn_to_face[face]].turn,
+                      ap_shift(t->space, 0, -t->inradius_m, 0));
+}
+
+// About x, so that −z points to the middle of edge 0.
+static struct ap_iso edge_turn(const struct ap_tiling *t) {
+    struct ap_vec3 u = t->edge_out[0];
+    return ap_iso_rotate(ap_quat_from_axis_angle((struct ap_vec3){1, 0, 0}, atan2(u.y, -u.z)));
+}
+
+struct ap_iso ap_strut_place(const struct ap_tiling *t, int edge) {
+    return ap_iso_mul(ap_iso_mul(t->symmetry[t->turn_to_edge[edge]].turn, edge_turn(t)),
+                      ap_shift(t->space, 0, 0, -t->midradius_m));
+}
+
+// −z to vertex 0, x across the mirror that holds vertex 0 and halves face 0's angle there.
+static struct ap_iso vertex_turn(const struct ap_tiling *t) {
+    struct ap_vec4 p = t->vertex_m[0];
+    struct ap_vec3 z = ap_vec3_scale(-1, ap_vec3_normalize((struct ap_vec3){p.x, p.y, p.z}));
+    struct ap_vec3 x = t->mirror[1], y = ap_vec3_cross(z, x);
+    struct ap_iso m = AP_ISO_IDENTITY;
+    const struct ap_vec3 column[3] = {x, y, z};
+    for (int j = 0; j < 3; j++) {
+        m.m[0][j] = column[j].x;
+        m.m[1][j] = column[j].y;
+        m.m[2][j] = column[j].z;
+    }
+    return m;
+}
+
+struct ap_iso ap_joint_place(const struct ap_tiling *t, int vertex) {
+    return ap_iso_mul(ap_iso_mul(t->symmetry[t->turn_to_vertex[vertex]].turn, vertex_turn(t)),
+                      ap_shift(t->space, 0, 0, -t->circumradius_m));
+}
+
+// A point on the geodesic from a to b, at the share k/n of their chord.
+static struct ap_vec4 along(struct ap_space space, struct ap_vec4 a, struct ap_vec4 b, double s) {
+    struct ap_vec4 p = {a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), a.z + s * (b.z - a.z),
+                        a.w + s * (b.w - a.w)};
+    double square = p.x * p.x + p.y * p.y + p.z * p.z + space.kappa * p.w * p.w;
+    double to = space.kappa ? space.rho_m / sqrt(space.kappa * square) : 1;
+    return (struct ap_vec4){to * p.x, to * p.y, to * p.z, to * p.w};
+}
+
+void ap_mesh_wall(const struct ap_tiling *t, double width, int fine, struct ap_mesh *mesh,
+                  double *longest_m) {
+    struct ap_space space = t->space;
+    struct ap_iso face_from_cell = ap_iso_inverse(space, ap_wall_place(t, 0));
+    struct ap_vec4 corner[2][5]; // outer, inner
+    int p = t->symbol.p;
+    for (int k = 0; k < p; k++) {
+        corner[0][k] = ap_iso_apply(&face_from_cell, t->vertex_m[t->face_vertex[0][k]]);
+        struct ap_vec3 v = ap_vec3_scale(1 - width, log_of(space, corner[0][k]));
+        corner[1][k] = ap_exp(space, v);
+    }
+    *longest_m = 0;
+    for (int k = 0; k < p; k++) {
+        unsigned before[2] = {0, 0};
+        struct ap_vec3 last = {0, 0, 0};
+        for (int i = 0; i <= fine; i++) {
+            unsigned row[2];
+            for (int side = 0; side < 2; side++) {
+                struct ap_vec3 v =
+                    log_of(space, along(space, corner[side][k], corner[side][(k + 1) % p],
+                                        (double)i / fine));
+                v.y = 0;
+                row[side] = ap_mesh_vertex(mesh, v, (struct ap_vec3){0, 1, 0});
+                if (side == 0 && i > 0)
+                    *longest_m = fmax(*longest_m, between(space, last, v));
+                last = side == 0 ? v : last;
+            }
+            if (i > 0) {
+                ap_mesh_triangle(mesh, before[0], row[0], row[1]);
+                ap_mesh_triangle(mesh, before[0], row[1], before[1]);
+            }
+            before[0] = row[0];
+            before[1] = row[1];
+        }
+    }
+}
+
+// The way out of a tube at (t along x, angle phi about it from +z), and the point there.
+static struct ap_iso tube_frame(struct ap_space space, double along_m, double radius_m,
+                                double phi) {
+    return ap_iso_mul(ap_shift(space, along_m, 0, 0),
+                      ap_shift(space, 0, radius_m * sin(phi), radius_m * cos(phi)));
+}
+
+// A normal at exp(v) as a covector of the chart log: across the way to it lengths are S(r)/r of
+// what they are in the chart.
+static struct ap_vec3 chart_normal(struct ap_space space, struct ap_vec3 v,
+                                   const struct ap_iso *place, struct ap_vec3 out) {
+    struct ap_iso back = ap_iso_inverse(space, ap_iso_translate(space, v));
+    struct ap_iso local = ap_iso_mul(back, *place);
+    struct ap_vec4 n = ap_iso_apply(&local, (struct ap_vec4){out.x, out.y, out.z, 0});
+    struct ap_vec3 n3 = {n.x, n.y, n.z}, u = ap_vec3_normalize(v);
+    double r = ap_vec3_length(v) / space.rho_m, radial = ap_vec3_dot(n3, u);
+    double shrink = r > 1e-9 ? ap_space_sin(space, r) / r : 1;
+    struct ap_vec3 across = ap_vec3_sub(n3, ap_vec3_scale(radial, u));
+    return ap_vec3_normalize(ap_vec3_add(ap_vec3_scale(radial, u), ap_vec3_scale(shrink, across)));
+}
+
+// Whether a point of the strut's frame is in the cell.
+static bool in_cell(const struct ap_tiling *t, const struct ap_iso *cell_from_strut,
+                    struct ap_vec4 p) {
+    struct ap_vec4 q = ap_iso_apply(cell_from_strut, p);
+    for (int f = 0; f < t->face_count; f++)
+        if (ap_tiling_beyond(t, q, f) > 1e-9)
+            return false;
+    return true;
+}
+
+// How far along the edge the tube can go with all of its part between the two faces in the cell.
+static double strut_half(const struct ap_tiling *t, double radius_m) {
+    struct ap_iso place = ap_strut_place(t, 0);
+    struct ap_vec4 base = {0, 0, 0, t->space.rho_m};
+    double low = 0, high = t->edge_m / 2, beta = M_PI / t->symbol.r;
+    for (int step = 0; step < 50; step++) {
+        double middle = (low + high) / 2;
+        bool inside = true;
+        for (int i = -4; i <= 4; i++) {
+            struct ap_iso at = tube_frame(t->space, middle, radius_m, beta * i / 4);
+            inside = inside && in_cell(t, &place, ap_iso_apply(&at, base));
+        }
+        *(inside ? &low : &high) = middle;
+    }
+    return low;
+}
+
+double ap_joint_radius(const struct ap_tiling *t, double strut_radius_m) {
+    struct ap_iso at = tube_frame(t->space, strut_half(t, strut_radius_m), strut_radius_m, 0);
+    struct ap_vec4 base = {0, 0, 0, t->space.rho_m};
+    struct ap_vec3 end = log_of(t->space, ap_iso_apply(&at, base));
+    double reach = between(t->space, end, (struct ap_vec3){t->edge_m / 2, 0, 0});
+    return fmax(1.5 * strut_radius_m, 1.02 * reach);
+}
+
+void ap_mesh_strut(const struct ap_tiling *t, double radius_m, int fine, struct ap_mesh *mesh,
+                   double *longest_m, double *turn_rad) {
+    struct ap_space space = t->space;
+    struct ap_vec4 base = {0, 0, 0, space.rho_m};
+    double half = strut_half(t, radius_m), beta = M_PI / t->symbol.r;
+    int around = fine < 2 ? 1 : fine < 16 ? 2 : 4;
+    unsigned before = 0;
+    for (int i = 0; i <= fine; i++) {
+        double x = half * (2.0 * i / fine - 1);
+        unsigned row = (unsigned)mesh->solid.vertex_count;
+        for (int j = 0; j <= around; j++) {
+            double phi = beta * (2.0 * j / around - 1);
+            struct ap_iso at = tube_frame(space, x, radius_m, phi);
+            struct ap_vec3 v = log_of(space, ap_iso_apply(&at, base));
+            struct ap_vec3 out = {0, sin(phi), cos(phi)};
+            ap_mesh_vertex(mesh, v, chart_normal(space, v, &at, out));
+        }
+        for (unsigned j = 0; i > 0 && j < (unsigned)around; j++) {
+            ap_mesh_triangle(mesh, before + j, row + j, row + j + 1);
+            ap_mesh_triangle(mesh, before + j, row + j + 1, before + j + 1);
+        }
+        before = row;
+    }
+    *longest_m =
+        2 * half / fine * ap_space_cos(space, space.kappa < 0 ? radius_m / space.rho_m : 0);
+    *turn_rad = beta / around;
+}
+
+void ap_mesh_joint(const struct ap_tiling *t, double radius_m, int fine, struct ap_mesh *mesh,
+                   double *longest_m, double *turn_rad) {
+    struct ap_space space = t->space;
+    struct ap_iso vertex_from_cell = ap_iso_inverse(space, ap_joint_place(t, 0));
+    struct ap_vec3 corner[5];
+    int count = 0;
+    for (int e = 0; e < t->edge_count; e++)
+        for (int side = 0; side < 2; side++)
+            if (t->edge_vertex[e][side] == 0)
+                corner[count++] = ap_vec3_normalize(log_of(
+                    space, ap_iso_apply(&vertex_from_cell, t->vertex_m[t->edge_vertex[e][!side]])));
+    // Counterclockwise seen from within the cell, which is toward +z.
+    for (int i = 0; i < count; i++)
+        for (int j = i + 1; j < count; j++)
+            if (atan2(corner[j].y, corner[j].x) < atan2(corner[i].y, corner[i].x)) {
+                struct ap_vec3 swap = corner[i];
+                corner[i] = corner[j];
+                corner[j] = swap;
+            }
+    struct ap_vec3 top = {0, 0, 1};
+    *turn_rad = acos(corner[0].z) / fine / sqrt(3) * 1.2;
+    *longest_m = 1.3 * radius_m * acos(corner[0].z) / fine;
+    for (int k = 0; k < count; k++) {
+        struct ap_vec3 a = corner[k], b = corner[(k + 1) % count];
+        unsigned before = 0;
+        for (int i = 0; i <= fine; i++) {
+            unsigned row = (unsigned)mesh->solid.vertex_count;
+            for (int j = 0; j <= i; j++) {
+                struct ap_vec3 d = ap_vec3_scale((double)(fine - i) / fine, top);
+                d = ap_vec3_add(d, ap_vec3_scale((double)(i - j) / fine, a));
+                d = ap_vec3_normalize(ap_vec3_add(d, ap_vec3_scale((double)j / fine, b)));
+                ap_mesh_vertex(mesh, ap_vec3_scale(radius_m, d), d);
+            }
+            for (unsigned j = 0; i > 0 && j < (unsigned)i; j++) {
+                ap_mesh_triangle(mesh, before + j, row + j, row + j + 1);
+                if (j + 1 < (unsigned)i)
+                    ap_mesh_triangle(mesh, before + j, row + j + 1, before + j + 1);
+            }
+            before = row;
+        }
+    }
+}
