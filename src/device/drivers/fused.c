@@ -1,5 +1,11 @@
 #include "src/device/drivers/fused.h"
 
+void ap_driver_begin_fused(struct ap_imu *imu, const struct ap_imu_params *params,
+                           const struct ap_device_info *info) {
+    ap_imu_init(imu, params);
+    imu->bias = info->bias;
+}
+
 struct ap_driver_sample *ap_driver_add_fused(struct ap_driver_samples *samples, struct ap_imu *imu,
                                              uint64_t raw_ticks, struct ap_vec3 gyr_rad_s,
                                              struct ap_vec3 acc_m_s2) {

@@ -4,6 +4,11 @@
 #include "src/device/fusion/imu.h"
 #include "src/device/hid/driver.h"
 
+// For a fused driver's init: the fusion, and what was found of the device's biases. The parameters
+// are a driver's own and right.
+void ap_driver_begin_fused(struct ap_imu *imu, const struct ap_imu_params *params,
+                           const struct ap_device_info *info);
+
 // For drivers of devices that only measure rates and forces: one measurement into the fusion, and
 // the orientation out of it as the next sample (axes x right, y up, z back). NULL where there is
 // none: a repeated or impossible measurement, or no room.

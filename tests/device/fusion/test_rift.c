@@ -147,6 +147,24 @@ static void test_turning(void **unused) {
     }
 }
 
+// What was found at rest is taken away.
+static void test_bias(void **unused) {
+    (void)unused;
+    for (int k = 0; k < MODELS; k++) {
+        const struct model *m = &models[k];
+        const struct ap_driver *driver = plug(m->product);
+        info.bias.gyr_rad_s = (struct ap_vec3){0, 0.25, 0};
+        driver->init(&state, &info);
+        uint8_t b[64];
+        for (uint32_t i = 0; i < 100; i++) {
+            make(b, m, i * (uint32_t)m->measurements, m->measurements, 0.25);
+            assert_int_equal(feed(driver, b, m->len), AP_REPORT_OK);
+        }
+        close_to("turned", samples.at[0].pose.q.y, 0, 1e-9);
+        close_to("rate", samples.at[0].angular_velocity_rad_s.y, 0, 1e-9);
+    }
+}
+
 static void test_bad(void **unused) {
     (void)unused;
     for (int k = 0; k < MODELS; k++) {
@@ -192,7 +210,7 @@ static void test_start(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_triples),
-                                       cmocka_unit_test(test_turning), cmocka_unit_test(test_bad),
-                                       cmocka_unit_test(test_start)};
+                                       cmocka_unit_test(test_turning), cmocka_unit_test(test_bias),
+                                       cmocka_unit_test(test_bad), cmocka_unit_test(test_start)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

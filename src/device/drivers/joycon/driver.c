@@ -32,8 +32,7 @@ static void init(void *state, const struct ap_device_info *info) {
     // timer goes round in 1.28.
     const struct ap_imu_params params = {
         .period_s = 0.005, .bits = 8, .tick_ns_num = 5000000, .tick_ns_den = 1, .late_ticks = 31};
-    ap_imu_init(&s->imu, &params);
-    s->imu.bias = info->bias;
+    ap_driver_begin_fused(&s->imu, &params, info);
 }
 
 // A command within an output report, after a counter and a rumble that is none.

@@ -24,8 +24,7 @@ static void init(void *state, const struct ap_device_info *info) {
     s->layout = ap_playstation_find(info);
     s->calibration =
         ap_playstation_calibrate(s->layout, ap_device_feature(info, s->layout->calibration));
-    ap_imu_init(&s->imu, &s->layout->imu);
-    s->imu.bias = info->bias;
+    ap_driver_begin_fused(&s->imu, &s->layout->imu, info);
 }
 
 static int start(const struct ap_device_info *info,

@@ -35,7 +35,7 @@ static bool match(const struct ap_device_info *info) {
 static void init(void *state, const struct ap_device_info *info) {
     struct state *s = state;
     s->layout = ap_rift_find(info);
-    ap_imu_init(&s->imu, &s->layout->imu);
+    ap_driver_begin_fused(&s->imu, &s->layout->imu, info);
 }
 
 // What the sensor's configuration was, but with its own calibration, the headset's axes and long

@@ -22,8 +22,7 @@ static void init(void *state, const struct ap_device_info *info) {
     const struct ap_imu_params params = {
         .period_s = 0.001, .bits = 64, .tick_ns_num = 1, .tick_ns_den = 1};
     struct ap_imu *imu = state;
-    ap_imu_init(imu, &params);
-    imu->bias = info->bias;
+    ap_driver_begin_fused(imu, &params, info);
 }
 
 // Command 0x19 turns the stream on. Reports are not numbered: a 0 stands before the command.
