@@ -90,6 +90,19 @@ static XrResult load_settings(struct sim_instance *instance) {
     return st == AP_INPUT ? XR_ERROR_INITIALIZATION_FAILED : XR_ERROR_RUNTIME_FAILURE;
 }
 
+// A messenger in the chain hears what creation, and later destruction, has to say.
+static XrResult take_messenger(const XrInstanceCreateInfo *info, struct sim_instance *instance) {
+    const XrDebugUtilsMessengerCreateInfoEXT *messenger =
+        sim_chained(info, XR_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT);
+    if (!messenger || !instance->enabled[SIM_EXT_debug_utils])
+        return XR_SUCCESS;
+    XrResult result = sim_messenger_init(messenger, &instance->messenger);
+    instance->chained = result == XR_SUCCESS;
+    if (instance->chained)
+        sim_messenger_begin(&instance->messenger);
+    return result;
+}
+
 XrResult XRAPI_CALL xrCreateInstance(const XrInstanceCreateInfo *info, XrInstance *out) {
     SIM_LOCKED;
     XrResult result = check_create_info(info);
@@ -106,11 +119,15 @@ XrResult XRAPI_CALL xrCreateInstance(const XrInstanceCreateInfo *info, XrInstanc
     if (instance->minor >= 1) // took it into the core, value for value
         instance->enabled[SIM_EXT_local_floor] = true;
     if (result == XR_SUCCESS)
+        result = take_messenger(info, instance);
+    if (result == XR_SUCCESS)
         result = load_settings(instance);
     instance->epoch_ns = ap_clock_now_ns();
     if (result == XR_SUCCESS &&
         !sim_object_add(&instance->object, SIM_INSTANCE, NULL, free_instance))
         result = XR_ERROR_LIMIT_REACHED;
+    if (instance->chained)
+        sim_messenger_end(&instance->messenger);
     if (result != XR_SUCCESS) {
         free_instance(&instance->object);
         return result;
@@ -124,7 +141,13 @@ XrResult XRAPI_CALL xrDestroyInstance(XrInstance handle) {
     struct sim_instance *instance = sim_instance_get(handle);
     if (!instance)
         return XR_ERROR_HANDLE_INVALID;
+    struct sim_messenger last = instance->messenger;
+    bool chained = instance->chained;
+    if (chained)
+        sim_messenger_begin(&last);
     sim_object_destroy(&instance->object);
+    if (chained)
+        sim_messenger_end(&last);
     sim_wake();
     return XR_SUCCESS;
 }

@@ -1,6 +1,7 @@
 #include "sim_hmd/core/handles.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <time.h>
@@ -126,6 +127,7 @@ static void forget_in_child(void) {
     slot_count = slot_capacity = first_free = 0;
     live_count = 0;
     waiting = 0;
+    sim_after_unlock = NULL;
     pthread_mutex_init(&mutex, NULL); // another thread may have held it
     make_changed();
 }
@@ -140,8 +142,13 @@ SIM_HOT void sim_lock(void) {
     pthread_mutex_lock(&mutex);
 }
 
+void (*_Atomic sim_after_unlock)(void);
+
 SIM_HOT void sim_unlock(void) {
     pthread_mutex_unlock(&mutex);
+    void (*then)(void) = atomic_load_explicit(&sim_after_unlock, memory_order_relaxed);
+    if (then)
+        then();
 }
 
 SIM_HOT int sim_lock_scope(void) {

@@ -45,6 +45,8 @@ int sim_object_count(void);
 // The runtime's one lock. SIM_LOCKED holds it to the end of the block it stands in.
 void sim_lock(void);
 void sim_unlock(void);
+// Called, where it is not NULL, each time that the lock was given up.
+extern void (*_Atomic sim_after_unlock)(void);
 int sim_lock_scope(void);
 void sim_unlock_scope(int *scope);
 #define SIM_LOCKED                                                                                 \

@@ -7,6 +7,7 @@
 #include "sim_hmd/core/settings.h"
 #include "sim_hmd/ext/debug_names.h"
 #include "sim_hmd/ext/extensions.h"
+#include "sim_hmd/ext/messages.h"
 #include "sim_hmd/input/profiles.h"
 
 enum { SIM_SYSTEM_ID = 1 };
@@ -26,6 +27,8 @@ struct sim_instance {
     struct sim_settings settings;
     struct sim_paths paths;
     struct sim_names names; // XR_EXT_debug_utils
+    bool chained;           // to its creation: a messenger that hears creation and destruction
+    struct sim_messenger messenger;
     struct sim_suggestion *suggestions;
     uint32_t suggestion_count, suggestion_capacity;
     struct sim_events events;

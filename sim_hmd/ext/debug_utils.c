@@ -2,16 +2,14 @@
 #include <string.h>
 
 #include "sim_hmd/core/session.h"
+#include "sim_hmd/ext/messages.h"
 
 // XR_EXT_debug_utils: messages that programs submit go to their messengers, with the names of the
-// objects and the session's labels. The runtime itself speaks on standard error (src/base/log.h).
+// objects and the session's labels. messages.h has what the runtime itself says to them.
 
 struct messenger {
     struct sim_object object;
-    XrDebugUtilsMessageSeverityFlagsEXT severities;
-    XrDebugUtilsMessageTypeFlagsEXT types;
-    PFN_xrDebugUtilsMessengerCallbackEXT callback;
-    void *user;
+    struct sim_messenger messenger;
 };
 
 static bool severities_valid(XrDebugUtilsMessageSeverityFlagsEXT flags) {
@@ -32,6 +30,7 @@ static bool types_valid(XrDebugUtilsMessageTypeFlagsEXT flags) {
 }
 
 static void free_messenger(struct sim_object *object) {
+    sim_messenger_forget(&((struct messenger *)object)->messenger);
     free(object);
 }
 
@@ -42,21 +41,21 @@ XrResult XRAPI_CALL xrCreateDebugUtilsMessengerEXT(XrInstance handle,
     struct sim_instance *instance = sim_instance_get(handle);
     if (!instance)
         return XR_ERROR_HANDLE_INVALID;
-    if (!sim_is(info, XR_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT) || !out ||
-        !info->userCallback || !severities_valid(info->messageSeverities) ||
-        !types_valid(info->messageTypes))
+    if (!sim_is(info, XR_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT) || !out)
         return XR_ERROR_VALIDATION_FAILURE;
+    struct sim_messenger messenger;
+    XrResult result = sim_messenger_init(info, &messenger);
+    if (result != XR_SUCCESS)
+        return result;
     struct messenger *m = calloc(1, sizeof *m);
     if (!m)
         return XR_ERROR_OUT_OF_MEMORY;
-    m->severities = info->messageSeverities;
-    m->types = info->messageTypes;
-    m->callback = info->userCallback;
-    m->user = info->userData;
+    m->messenger = messenger;
     if (!sim_object_add(&m->object, SIM_DEBUG_MESSENGER, &instance->object, free_messenger)) {
         free(m);
         return XR_ERROR_LIMIT_REACHED;
     }
+    sim_messenger_begin(&m->messenger);
     *out = SIM_HANDLE(XrDebugUtilsMessengerEXT, m);
     return XR_SUCCESS;
 }
@@ -126,7 +125,7 @@ struct message {
     XrDebugUtilsMessengerCallbackDataEXT data;
     XrDebugUtilsObjectNameInfoEXT *objects;
     XrDebugUtilsLabelEXT *labels;
-    struct messenger *to; // copies
+    struct sim_messenger *to; // copies
     uint32_t to_count;
 };
 
@@ -194,7 +193,7 @@ static bool copy_messengers(const struct sim_instance *instance,
     for (const struct sim_object *o = instance->object.first_child; o; o = o->next) {
         if (o->type != SIM_DEBUG_MESSENGER)
             continue;
-        const struct messenger *to = (const struct messenger *)o;
+        const struct sim_messenger *to = &((const struct messenger *)o)->messenger;
         if (to->severities & severity && to->types & types)
             m->to[m->to_count++] = *to;
     }

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "sim_hmd/core/quiet_write.h"
+#include "sim_hmd/ext/messages.h"
 #include "sim_hmd/strict/call.h"
 #include "src/base/log.h"
 
@@ -110,6 +111,16 @@ static void make_printable(char *text) {
             *text = '?';
 }
 
+static void tell(enum sim_level level, const char *function, const char *statement,
+                 const char *values) {
+    static const XrDebugUtilsMessageSeverityFlagsEXT severities[] = {
+        [SIM_ERROR] = XR_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        [SIM_WARNING] = XR_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT,
+        [SIM_NOTE] = XR_DEBUG_UTILS_MESSAGE_SEVERITY_INFO_BIT_EXT};
+    sim_message(severities[level], XR_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT, statement,
+                function, values);
+}
+
 static void report(enum sim_level level, const char *function, const char *statement,
                    const char *format, va_list args) {
     pthread_mutex_lock(&strict.mutex);
@@ -125,6 +136,7 @@ static void report(enum sim_level level, const char *function, const char *state
         f->level = level;
         fprintf(stderr, "antipode-sim: strict: %s: %s: %s: %s\n", level_names[level], function, cut,
                 values);
+        tell(level, function, cut, values);
         write_line(json_pack("{s:s, s:s, s:s, s:s}", "level", level_names[level], "function",
                              function, "statement", cut, "values", values));
     }

@@ -15,6 +15,12 @@ void ap_log_set_prefix(const char *p) {
     prefix = p;
 }
 
+static void (*_Atomic listener)(enum ap_log_level level, const char *text);
+
+void ap_log_set_listener(void (*l)(enum ap_log_level level, const char *text)) {
+    listener = l;
+}
+
 void ap_log(enum ap_log_level level, const char *format, ...) {
     static const char *const names[] = {"error: ", "warning: ", "", "debug: "};
     if (level > max_level)
@@ -33,4 +39,8 @@ void ap_log(enum ap_log_level level, const char *format, ...) {
     line[len] = '\n';
     // One write, so that lines from several threads and processes do not mix.
     fwrite(line, 1, len + 1, stderr);
+    void (*heard)(enum ap_log_level level, const char *text) = listener;
+    line[len] = '\0';
+    if (heard)
+        heard(level, line + n);
 }

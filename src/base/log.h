@@ -12,6 +12,10 @@ void ap_log(enum ap_log_level level, const char *format, ...) AP_PRINTF(2, 3);
 // Messages above this level are dropped (default AP_LOG_INFO). Call before other threads start.
 void ap_log_set_level(enum ap_log_level level);
 
+// Hears every line that is not dropped, without prefix and level, after it was written; in the
+// thread that logs, whatever that holds. NULL: nobody. Any thread.
+void ap_log_set_listener(void (*listener)(enum ap_log_level level, const char *text));
+
 // A string that outlives the process's logging (a literal). Default "antipode".
 void ap_log_set_prefix(const char *prefix);
 

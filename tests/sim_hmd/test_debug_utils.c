@@ -17,12 +17,16 @@ struct debug {
     PFN_xrSessionInsertDebugUtilsLabelEXT insert;
 };
 
+static const char *settings = "{\"clock\": \"virtual\"}";
+static const void *chain; // of xrCreateInstance
+
 static void start(struct debug *d) {
-    client_settings("{\"clock\": \"virtual\"}");
+    client_settings(settings);
     const char *const extensions[] = {XR_MND_HEADLESS_EXTENSION_NAME,
                                       XR_EXT_DEBUG_UTILS_EXTENSION_NAME};
     XrInstanceCreateInfo info = {
         .type = XR_TYPE_INSTANCE_CREATE_INFO,
+        .next = chain,
         .applicationInfo = {.applicationName = "test", .apiVersion = XR_MAKE_VERSION(1, 0, 0)},
         .enabledExtensionCount = 2,
         .enabledExtensionNames = extensions};
@@ -228,14 +232,113 @@ static void what_is_wrong_is_refused(void **state) {
     client_stop(&d.c);
 }
 
+// What the runtime itself says.
+struct told {
+    XrInstance instance;
+    int general, validation;
+    char id[64], function[64], text[256];
+};
+
+static XrBool32 XRAPI_CALL hear(XrDebugUtilsMessageSeverityFlagsEXT severity,
+                                XrDebugUtilsMessageTypeFlagsEXT types,
+                                const XrDebugUtilsMessengerCallbackDataEXT *data, void *user) {
+    struct told *t = user;
+    // Debian's loader speaks to messengers, too.
+    bool logged = strcmp(data->messageId, "antipode-sim") == 0;
+    if (!logged && !(types & XR_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT))
+        return XR_FALSE;
+    assert_int_not_equal(severity, 0);
+    t->general += logged;
+    t->validation += !logged;
+    snprintf(t->id, sizeof t->id, "%s", data->messageId);
+    snprintf(t->function, sizeof t->function, "%s", data->functionName);
+    snprintf(t->text, sizeof t->text, "%s", data->message);
+    char text[XR_MAX_RESULT_STRING_SIZE];
+    if (t->instance) // the runtime's lock is free
+        XR_OK(xrResultToString(t->instance, XR_SUCCESS, text));
+    return XR_FALSE;
+}
+
+static XrDebugUtilsMessengerCreateInfoEXT hearing(struct told *t) {
+    return (XrDebugUtilsMessengerCreateInfoEXT){
+        .type = XR_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverities = XR_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT |
+                             XR_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                             XR_DEBUG_UTILS_MESSAGE_SEVERITY_INFO_BIT_EXT,
+        .messageTypes = XR_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT |
+                        XR_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+        .userCallback = hear,
+        .userData = t};
+}
+
+static void says(const struct told *t, int logged, int found, const char *words) {
+    if (t->general != logged || t->validation != found || !strstr(t->text, words))
+        fail_msg("%d and %d messages, '%s'; expected %d and %d, '%s'", t->general, t->validation,
+                 t->text, logged, found, words);
+}
+
+static void a_frame(struct debug *d) {
+    XrFrameState f = client_wait(&d->c);
+    client_begin(&d->c);
+    client_end_empty(&d->c, f.predictedDisplayTime);
+}
+
+static void the_runtime_speaks(void **state) {
+    (void)state;
+    struct debug d = {0};
+    struct told created = {0}, made = {0};
+    XrDebugUtilsMessengerCreateInfoEXT info = hearing(&created), other = hearing(&made);
+    chain = &info;
+    // Settings that are wrong: nobody but the chained messenger can hear of it.
+    client_settings("{\"clocks\": 1}");
+    const char *const extension = XR_EXT_DEBUG_UTILS_EXTENSION_NAME;
+    XrInstanceCreateInfo create = {
+        .type = XR_TYPE_INSTANCE_CREATE_INFO,
+        .next = chain,
+        .applicationInfo = {.applicationName = "test", .apiVersion = XR_MAKE_VERSION(1, 0, 0)},
+        .enabledExtensionCount = 1,
+        .enabledExtensionNames = &extension};
+    assert_true(xrCreateInstance(&create, &d.c.instance) < 0);
+    says(&created, 1, 0, "clocks");
+    created = (struct told){0};
+    d.c.instance = XR_NULL_HANDLE;
+    settings = "{\"clock\": \"real\", \"refresh_hz\": 120, \"strict\": true}";
+    start(&d);
+    XrDebugUtilsMessengerEXT messenger = XR_NULL_HANDLE;
+    XR_OK(d.create(d.c.instance, &other, &messenger));
+    made.instance = d.c.instance;
+    XrPath path;
+    XrInstance instance = d.c.instance;
+    PFN_xrStringToPath to_path =
+        (PFN_xrStringToPath)(uintptr_t)client_proc(instance, "xrStringToPath");
+    XR_IS(XR_ERROR_PATH_FORMAT_INVALID, to_path(instance, "x", &path));
+    XR_IS(XR_ERROR_PATH_FORMAT_INVALID, to_path(instance, "x", &path));
+    XR_OK(d.destroy(messenger)); // gives up the lock, if nobody has before
+    says(&made, 0, 1, "x");
+    assert_string_equal(made.function, "xrStringToPath");
+    // Of the runtime the chained one hears creation and destruction only; Debian's loader makes it
+    // a messenger for the time between.
+    assert_int_equal(created.general, 0);
+    XrSessionBeginInfo begin = {.type = XR_TYPE_SESSION_BEGIN_INFO,
+                                .primaryViewConfigurationType =
+                                    XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO};
+    XR_OK(xrBeginSession(d.c.session, &begin));
+    a_frame(&d);
+    a_frame(&d);
+    XR_OK(xrDestroyInstance(d.c.instance));
+    assert_int_equal(created.general, 1); // once, though there were two
+    assert_non_null(strstr(created.text, "2 frames"));
+    says(&made, 0, 1, "x");
+    chain = NULL;
+    settings = "{\"clock\": \"virtual\"}";
+}
+
 #define TEST(name) cmocka_unit_test_teardown(name, client_teardown)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        TEST(messages_go_to_those_who_want_them),
-        TEST(objects_have_names),
-        TEST(labels_nest),
-        TEST(what_is_wrong_is_refused),
+        TEST(messages_go_to_those_who_want_them), TEST(objects_have_names), TEST(labels_nest),
+        TEST(what_is_wrong_is_refused),           TEST(the_runtime_speaks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
