@@ -184,6 +184,11 @@ static void test_bad(void **unused) {
         assert_int_equal(feed(driver, b, m->len), AP_REPORT_IGNORED);
     }
     assert_null(plug(0x0002));
+    plug(0x0031);
+    info.interface_known = true;
+    assert_ptr_equal(ap_driver_find(&info), &ap_driver_rift);
+    info.interface_number = 1; // its controllers' radio
+    assert_null(ap_driver_find(&info));
 }
 
 static void test_start(void **unused) {

@@ -28,8 +28,9 @@ struct state {
     struct ap_imu imu;
 };
 
+// The CV1's other interface is its controllers' radio.
 static bool match(const struct ap_device_info *info) {
-    return ap_rift_find(info) != NULL;
+    return ap_rift_find(info) && (!info->interface_known || info->interface_number == 0);
 }
 
 static void init(void *state, const struct ap_device_info *info) {
