@@ -28,7 +28,7 @@ has() {
 
 # at_most FILE WORD LIMIT: the number behind the word in the file.
 at_most() {
-	value=$(sed -n "s/.*$2 \([0-9.]*\).*/\1/p" "$1" | tail -n 1)
+	value=$(sed -n "s/.*$2 \([0-9.e+-]*\).*/\1/p" "$1" | tail -n 1)
 	[ -n "$value" ] && awk -v v="$value" -v m="$3" 'BEGIN { exit !(v <= m) }' && return 0
 	echo "$2 is '$value', at most $3 is right: $(tail -n 1 "$1")"
 	return 1

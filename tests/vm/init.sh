@@ -16,6 +16,6 @@ while read -r m; do insmod "/lib/modules/$m" || echo "insmod $m failed"; done </
 . /environment
 cd /data
 # Seconds of the machine's own clock.
-setsid timeout 120 sh /script </dev/null >/dev/ttyS1 2>&1
+setsid timeout 300 sh /script </dev/null >/dev/ttyS1 2>&1
 echo "status $?" >/dev/ttyS2
 poweroff -f

@@ -42,7 +42,7 @@ add() {
 	done || true
 }
 modules='uhid hid-generic usbhid vhci-hcd'
-: >"$root/environment"
+echo "export VM_SECONDS=${ANTIPODE_VM_SECONDS:-}" >"$root/environment" # of long measurements
 while getopts f:m:e: option; do
 	case $option in
 	f)

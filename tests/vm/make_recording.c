@@ -7,7 +7,7 @@
 // Writes a recording in hid-recorder's format whose reports are all different, for the players:
 // what the protocols' pages say, encoded; it knows nothing of the drivers.
 //
-//   make_recording numbered|slimevr|android COUNT HZ [YAW]
+//   make_recording numbered|slimevr|android|garbage COUNT HZ [YAW]
 //
 // numbered: 32 bytes, the number of the report at byte 1; an output and a feature report.
 // slimevr: one tracker, which turns by 0.1 mrad a report about the vertical (YAW rad to begin
@@ -60,9 +60,33 @@ static void numbered(long count, double hz) {
     }
 }
 
-static void slimevr(long count, double hz, double yaw) {
+static void head_of_slimevr(void) {
     put_text("R:", "05 01 09 00 a1 01 15 00 26 ff 00 75 08 95 40 09 01 81 02 95 40 09 01 91 02 c0");
     printf("N: SlimeVR Receiver\nI: 3 1209 7690\n");
+}
+
+static void garbage(long count, double hz) {
+    uint32_t state = 1;
+    head_of_slimevr();
+    for (long i = 0; i < count; i++) {
+        uint8_t report[64];
+        for (size_t k = 0; k < sizeof report; k++) {
+            state = state * 1664525 + 1013904223;
+            report[k] = (uint8_t)(state >> 24);
+        }
+        if (i % 2) { // a tracker, turned by nothing at all
+            const uint8_t registered[16] = {255, 7, 1};
+            memcpy(report, registered, sizeof registered);
+            memset(report + 16, 0, 16);
+            report[16] = 1;
+            report[17] = 7;
+        }
+        put_report(i, hz, report, i % 4 ? sizeof report : 1 + report[0] % sizeof report);
+    }
+}
+
+static void slimevr(long count, double hz, double yaw) {
+    head_of_slimevr();
     for (long i = 0; i < count; i++) {
         uint8_t report[64] = {255, 0, 1, 2, 3, 4, 5, 6};
         double half = 0.5 * (yaw + 1e-4 * (double)i);
@@ -112,8 +136,10 @@ int main(int argc, char **argv) {
         slimevr(count, hz, yaw);
     else if (count > 0 && hz > 0 && strcmp(kind, "android") == 0)
         android(count, hz, yaw);
+    else if (count > 0 && hz > 0 && strcmp(kind, "garbage") == 0)
+        garbage(count, hz);
     else {
-        fprintf(stderr, "usage: make_recording numbered|slimevr|android COUNT HZ [YAW]\n");
+        fprintf(stderr, "usage: make_recording numbered|slimevr|android|garbage COUNT HZ [YAW]\n");
         return 2;
     }
     return fflush(stdout) == 0 ? 0 : 1;

@@ -113,6 +113,7 @@ int main(int argc, char **argv) {
     if (player.sent_log)
         fclose(player.sent_log);
     serve_until(fd, player_now_ns() + player.hold_ns);
+    printf("unplugged at %lld\n", (long long)player_now_ns());
     put(fd, &(struct uhid_event){.type = UHID_DESTROY});
     return 0;
 }

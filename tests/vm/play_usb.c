@@ -362,6 +362,7 @@ int main(int argc, char **argv) {
                (long long)interfaces[i].sent, (long long)interfaces[i].dropped);
     if (player.sent_log)
         fclose(player.sent_log);
+    printf("unplugged at %lld\n", (long long)player_now_ns());
     detach(port);
     return 0;
 }
