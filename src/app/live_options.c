@@ -3,25 +3,57 @@
 #include <signal.h>
 #include <stdlib.h>
 
+#include "src/app/room_file.h"
 #include "src/base/log.h"
+#include "src/device/calibration/store.h"
 #include "src/device/live/rules.h"
+
+// What `antipode calibrate` has kept; *list and *mounts are malloc'ed.
+static enum ap_status read_calibrations(struct ap_error *err, struct ap_device_calibration **list,
+                                        struct ap_live_mount **mounts, int *count) {
+    char *dir = NULL;
+    *list = calloc(AP_CALIBRATED_MAX, sizeof **list);
+    *mounts = calloc(AP_CALIBRATED_MAX, sizeof **mounts);
+    enum ap_status st = *list && *mounts ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    // Where nobody has a home nothing has been kept.
+    if (!st && ap_config_path(NULL, NULL, &dir) == AP_OK)
+        st = ap_calibration_list(err, dir, AP_CALIBRATED_MAX, *list, count);
+    free(dir);
+    for (int i = 0; !st && i < *count; i++) {
+        const struct ap_device_calibration *c = &(*list)[i];
+        (*mounts)[i] = (struct ap_live_mount){.serial = c->key};
+        if (c->has_mount)
+            (*mounts)[i].tracker_from_body = c->tracker_from_body;
+        if (c->has_bias)
+            (*mounts)[i].bias = c->rest.bias;
+    }
+    return st;
+}
 
 enum ap_status ap_live_options_open(struct ap_error *err, const struct ap_live_options *o,
                                     const struct ap_live_params *base, struct ap_live **live) {
     struct ap_live_params params = *base;
     struct ap_live_bus way;
+    struct ap_device_calibration *list = NULL;
+    struct ap_live_mount *mounts = NULL;
+    int count = 0;
+    enum ap_status st = o->uncalibrated ? AP_OK : read_calibrations(err, &list, &mounts, &count);
+    params.mounts = mounts;
+    params.mount_count = (size_t)count;
     params.assign = o->device.text;
     params.assign_count = o->device.count;
     params.position = o->position.text;
     params.position_count = o->position.count;
-    if (o->replay.count) {
-        enum ap_status st = ap_live_replay(err, o->replay.text, o->replay.count, &way);
-        if (st)
-            return st;
+    if (!st && o->replay.count) {
+        st = ap_live_replay(err, o->replay.text, o->replay.count, &way);
         params.buses = &way;
         params.bus_count = 1;
     }
-    return ap_live_open(err, &params, live);
+    if (!st)
+        st = ap_live_open(err, &params, live);
+    free(list);
+    free(mounts);
+    return st;
 }
 
 bool ap_live_options_given(const struct ap_live_options *o) {

@@ -9,6 +9,7 @@
 // Options about live devices that `devices`, `record` and others share.
 struct ap_live_options {
     struct ap_text_list device, position, replay;
+    bool uncalibrated; // as the devices say, without what `calibrate` has found
 };
 
 #define AP_LIVE_OPTION_TABLE(o)                                                                    \

@@ -7,6 +7,7 @@
 // How a command's pose logs are to be read: options that `track`, `replay` and others share.
 struct ap_log_options {
     const char *table_at; // NULL: not given
+    const char *room;     // a file of `antipode calibrate table`; NULL: none
     const char *up, *head_frame;
     bool skip_bad;
 };
@@ -17,6 +18,8 @@ struct ap_log_options {
 #define AP_LOG_OPTION_TABLE(o)                                                                     \
     {"table-at", AP_OPTION_TEXT, &(o).table_at, "X,Z,YAW",                                         \
      "where the table stands in the log's room"},                                                  \
+        {"room", AP_OPTION_TEXT, &(o).room, "FILE",                                                \
+         "table's place, height and edge as calibrated"},                                          \
         {"up", AP_OPTION_CHOICE, &(o).up, "y|z", "which way is up in the log"},                    \
         {"head-frame", AP_OPTION_CHOICE, &(o).head_frame, "head|optical",                          \
          "axes of the log's head"},                                                                \

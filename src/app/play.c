@@ -10,8 +10,10 @@
 #include "src/app/logs.h"
 #include "src/app/play/session.h"
 #include "src/app/play/simulated.h"
+#include "src/app/room_file.h"
 #include "src/app/runtime.h"
 #include "src/base/clock.h"
+#include "src/base/file.h"
 #include "src/base/log.h"
 
 static const char help[] =
@@ -40,7 +42,7 @@ static bool end_asked(void) {
 
 struct play_options {
     struct ap_room_options room;
-    const char *headset, *stereo, *pictures, *clock;
+    const char *room_file, *headset, *stereo, *pictures, *clock;
     struct ap_live_options live;
     bool no_devices;
     struct ap_text_list inputs;
@@ -106,6 +108,21 @@ static void say_stats(const struct ap_play *play, int64_t start_ns) {
     ap_play_say_detail(play);
 }
 
+// Where the table stands: as --room says, or on a real headset as `antipode calibrate table` found.
+static enum ap_status use_room_file(struct ap_error *err, const char *asked, bool simulated,
+                                    struct ap_room_defaults *defaults) {
+    char *path = NULL;
+    if (asked || simulated || ap_config_path(NULL, "room.json", &path))
+        return ap_room_file_apply(err, asked, defaults);
+    enum ap_status st = AP_OK;
+    if (ap_file_exists(path)) {
+        st = ap_room_file_apply(err, path, defaults);
+        ap_log(AP_LOG_INFO, "play: the table stands as calibrated in %s", path);
+    }
+    free(path);
+    return st;
+}
+
 static enum ap_status play_it(struct ap_error *err, const struct play_options *o, char **logs,
                               int log_count) {
     struct ap_play *play = NULL;
@@ -116,6 +133,13 @@ static enum ap_status play_it(struct ap_error *err, const struct play_options *o
     enum ap_status st = read_settings(err, o, &params.settings, &settings_path);
     if (!st)
         st = choose_runtime(err, o, logs, log_count, simulated_path, &simulated);
+    struct ap_room_defaults room = {.table_at = &params.room.table_at,
+                                    .table_height_m = &params.room.table_height_m,
+                                    .table_edge_m = &params.room.table_edge_m,
+                                    .radius_given =
+                                        !isnan(params.room.radius_m) || params.room.scene};
+    if (!st)
+        st = use_room_file(err, o->room_file, simulated, &room);
     int64_t start_ns = ap_clock_now_ns();
     params.settings_path = settings_path;
     params.one_eye = !st && simulated && !o->no_window && !o->stereo;
@@ -140,6 +164,8 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         AP_ROOM_OPTION_TABLE(o.room),
         AP_LIVE_OPTION_TABLE(o.live),
         {"no-devices", AP_OPTION_FLAG, &o.no_devices, "", "not what is plugged in, but the keys"},
+        {"room", AP_OPTION_TEXT, &o.room_file, "FILE",
+         "table's place, height and edge as calibrated"},
         {"headset", AP_OPTION_TEXT, &o.headset, "FILE", "profile of the simulated headset"},
         {"stereo", AP_OPTION_CHOICE, &o.stereo, "pair|cross|anaglyph",
          "both eyes in the window (default: the left one)"},

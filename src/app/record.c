@@ -127,7 +127,8 @@ static enum ap_status record(struct ap_error *err, const struct record_options *
 }
 
 static enum ap_status run(struct ap_error *err, int argc, char **argv) {
-    struct record_options o = {.seconds = NAN};
+    // What is recorded is to replay to the same poses wherever it is replayed.
+    struct record_options o = {.seconds = NAN, .live = {.uncalibrated = true}};
     const struct ap_option options[] = {
         {"seconds", AP_OPTION_NUMBER, &o.seconds, "S", "end after so long (Ctrl-C)"},
         {"all", AP_OPTION_FLAG, &o.all, "", "devices that no driver knows, too"},

@@ -11,6 +11,7 @@
 #include "src/app/logs.h"
 #include "src/app/page.h"
 #include "src/app/progress.h"
+#include "src/app/room_file.h"
 #include "src/app/runtime.h"
 #include "src/app/vergence.h"
 #include "src/base/log.h"
@@ -283,6 +284,13 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
     bool done;
     enum ap_status st = ap_parse_options(err, &usage, argc, argv, &logs, &done);
     if (st || done)
+        return st;
+    struct ap_room_defaults room = {.table_at = &o.logs.table_at,
+                                    .table_height_m = &o.room.table_height_m,
+                                    .table_edge_m = &o.room.table_edge_m,
+                                    .radius_given = !isnan(o.room.radius_m) || o.room.scene};
+    st = ap_room_file_apply(err, o.logs.room, &room);
+    if (st)
         return st;
     struct ap_replay replay = {.dir = o.dir};
     st = open_replay(err, &o, argv + 1, logs, &replay);

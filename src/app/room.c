@@ -58,8 +58,12 @@ static enum ap_status open_tracker(struct ap_error *err, const struct ap_room_op
                                          .table_edge_m = o->table_edge_m,
                                          .table_height_m = room->has_table ? height_m : 0,
                                          .anchor = o->anchor};
-    st = ap_track_setup(err, &setup, &room->tracker_params);
-    return st ? st : ap_tracker_create(err, &room->tracker_params, &room->tracker);
+    struct ap_tracker_params *params = &room->tracker_params;
+    st = ap_track_setup(err, &setup, params);
+    if (!st && o->table_at)
+        st = ap_table_at_parse(err, o->table_at, &params->table_x_m, &params->table_z_m,
+                               &params->table_yaw_rad);
+    return st ? st : ap_tracker_create(err, params, &room->tracker);
 }
 
 // "h3" or "h3:0.85".

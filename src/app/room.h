@@ -13,6 +13,7 @@
 // the viewer that the eyes make of the head's virtual pose.
 
 struct ap_room_options {
+    const char *table_at; // "X,Z,YAW" in the room whose poses are fed; NULL: they are the table's
     const char *space, *scene, *tracker, *anchor, *view; // NULL: not given
     const char *native_of, *eye;
     double radius_m, table_edge_m, table_height_m; // NAN: not given

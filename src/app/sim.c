@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "src/app/room_file.h"
 #include "src/app/runtime.h"
 #include "src/base/file.h"
 #include "src/base/json.h"
@@ -204,7 +205,11 @@ static enum ap_status run_sim(struct ap_error *err, int argc, char **argv) {
     if (st || done)
         return st;
     argv[1 + words] = NULL;
-    return run_program(err, &o, argv + 1);
+    double no_height = 0, no_edge = 0; // the program's own business
+    struct ap_room_defaults room = {
+        .table_at = &o.logs.table_at, .table_height_m = &no_height, .table_edge_m = &no_edge};
+    st = ap_room_file_apply(err, o.logs.room, &room);
+    return st ? st : run_program(err, &o, argv + 1);
 }
 
 const struct ap_command ap_command_sim = {"sim", "run any OpenXR program on the simulated headset",

@@ -6,6 +6,7 @@
 
 #include "src/app/command.h"
 #include "src/app/logs.h"
+#include "src/app/room_file.h"
 #include "src/base/log.h"
 #include "src/device/poselog.h"
 #include "src/track/setup.h"
@@ -133,7 +134,7 @@ static enum ap_status run_track(struct ap_error *err, int argc, char **argv) {
                         .logs = AP_LOG_OPTIONS_NONE,
                         .radius_m = NAN,
                         .table_edge_m = NAN,
-                        .table_height_m = AP_TABLE_HEIGHT_DEFAULT_MM / 1000.0};
+                        .table_height_m = NAN};
     struct ap_tracker *tracker = NULL;
     struct ap_poselog *log = NULL;
     int count = 0;
@@ -141,7 +142,15 @@ static enum ap_status run_track(struct ap_error *err, int argc, char **argv) {
     enum ap_status st = parse(err, argc, argv, &o, &count, &done);
     if (st || done)
         return st;
-    st = open_tracker(err, &o, &tracker);
+    struct ap_room_defaults room = {.table_at = &o.logs.table_at,
+                                    .table_height_m = &o.table_height_m,
+                                    .table_edge_m = &o.table_edge_m,
+                                    .radius_given = !isnan(o.radius_m)};
+    st = ap_room_file_apply(err, o.logs.room, &room);
+    if (isnan(o.table_height_m))
+        o.table_height_m = AP_TABLE_HEIGHT_DEFAULT_MM / 1000.0;
+    if (!st)
+        st = open_tracker(err, &o, &tracker);
     if (!st)
         st = ap_logs_open(err, &o.logs, argv + 1, count, &log);
     if (st)

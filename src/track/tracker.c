@@ -16,6 +16,7 @@ struct device {
 
 struct ap_tracker {
     struct ap_tracker_params params;
+    struct ap_pose table_from_room;
     bool has_lead; // what the others are placed by has been seen
     int64_t dropped;
     struct ap_anchored anchored; // anchor
@@ -50,6 +51,8 @@ static enum ap_status check_params(struct ap_error *err, const struct ap_tracker
         !(p->space.rho_m > 0))
         return ap_fail(err, AP_USAGE, "a space of curvature sign %d and radius %g m does not exist",
                        p->space.kappa, p->space.rho_m);
+    if (!isfinite(p->table_x_m + p->table_z_m + p->table_yaw_rad))
+        return ap_fail(err, AP_USAGE, "the table's place must be finite");
     if (!isfinite(p->table_height_m))
         return ap_fail(err, AP_USAGE, "the table's height must be finite");
     if (p->kind != AP_TRACKER_BILLIARDS)
@@ -77,6 +80,9 @@ enum ap_status ap_tracker_create(struct ap_error *err, const struct ap_tracker_p
     if (!t)
         return ap_fail(err, AP_ENVIRONMENT, "out of memory for a tracker");
     t->params = *params;
+    t->table_from_room = ap_pose_inverse((struct ap_pose){
+        {params->table_x_m, 0, params->table_z_m},
+        ap_quat_from_axis_angle((struct ap_vec3){0, 1, 0}, params->table_yaw_rad)});
     t->c = AP_PERIMETER_START;
     if (params->kind == AP_TRACKER_BILLIARDS)
         ap_billiards_init(params->space, params->table_edge_m, params->table_height_m, &t->table);
@@ -91,6 +97,13 @@ void ap_tracker_destroy(struct ap_tracker *tracker) {
         free(tracker->devices[i].name);
     free(tracker->devices);
     free(tracker);
+}
+
+// Poses that are in the table's frame already stay bit for bit what they are.
+static struct ap_pose on_table(const struct ap_tracker *t, struct ap_pose room_from_device) {
+    const struct ap_tracker_params *p = &t->params;
+    bool same = p->table_x_m == 0 && p->table_z_m == 0 && p->table_yaw_rad == 0;
+    return same ? room_from_device : ap_pose_mul(t->table_from_room, room_from_device);
 }
 
 // The place of a device in the list: an old one, or a new one at its end that does not count yet.
@@ -250,8 +263,9 @@ static enum ap_status feed_billiards(struct ap_error *err, struct ap_tracker *t,
 }
 
 enum ap_status ap_tracker_feed(struct ap_error *err, struct ap_tracker *tracker, const char *device,
-                               struct ap_pose table_from_device, bool *has_row,
+                               struct ap_pose room_from_device, bool *has_row,
                                struct ap_iso *world_from_device) {
+    struct ap_pose table_from_device = on_table(tracker, room_from_device);
     enum ap_tracker_kind kind = tracker->params.kind;
     bool leads = ap_tracker_leads(tracker, device);
     bool hands = leads && kind == AP_TRACKER_ANCHOR && is_hands(tracker);
@@ -289,8 +303,9 @@ static const struct ap_anchored *anchor_of_things(const struct ap_tracker *t) {
     return NULL;
 }
 
-bool ap_tracker_place(const struct ap_tracker *tracker, struct ap_pose table_from_thing,
+bool ap_tracker_place(const struct ap_tracker *tracker, struct ap_pose room_from_thing,
                       struct ap_iso *world_from_thing) {
+    struct ap_pose table_from_thing = on_table(tracker, room_from_thing);
     const struct ap_anchored *anchored = anchor_of_things(tracker);
     struct ap_iso place;
     if (tracker->params.kind == AP_TRACKER_BILLIARDS && tracker->has_lead)
@@ -307,7 +322,8 @@ bool ap_tracker_place(const struct ap_tracker *tracker, struct ap_pose table_fro
 }
 
 enum ap_status ap_tracker_carry(struct ap_error *err, struct ap_tracker *tracker,
-                                struct ap_pose table_from_grip, struct ap_pose motion) {
+                                struct ap_pose room_from_grip, struct ap_pose motion) {
+    struct ap_pose table_from_grip = on_table(tracker, room_from_grip);
     if (tracker->params.kind != AP_TRACKER_ANCHOR)
         return ap_fail(err, AP_USAGE,
                        "the tracker '%s' goes only where the visitor walks: take 'anchor' to fly, "

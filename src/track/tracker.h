@@ -24,6 +24,9 @@ struct ap_tracker_params {
     // The room point that corresponds to the virtual base point is (0, table_height_m, 0); 0 where
     // there is no table.
     double table_height_m;
+    // Where the table stands in the room whose poses are fed, and how it is turned; all 0: poses
+    // are in the table's frame already.
+    double table_x_m, table_z_m, table_yaw_rad;
     double table_edge_m; // billiards: the edge of both tables; in s3 and h3 it must fit the radius
     // anchor: the device that moves freely and that everything else hangs on; "" is "head"; "hands"
     // is the middle of "left" and "right", facing half way between them, once both have been seen.
@@ -37,15 +40,15 @@ enum ap_status ap_tracker_create(struct ap_error *err, const struct ap_tracker_p
                                  struct ap_tracker **tracker);
 void ap_tracker_destroy(struct ap_tracker *tracker);
 
-// Takes the next pose of a device ("head" is the head, every other name a hand), in the table's
-// frame, and gives its virtual pose. False: no row (a hand before the first head sample in
-// billiards, a device before the anchor's first in anchor); it is counted. AP_INPUT where the
-// virtual pose is not finite (farther out in h3 than a double can tell, about 700 rho; a pose that
-// is not finite), the tracker then stays as it was. AP_ENVIRONMENT only without memory (a new
-// device name). Measured error of an entry against exact arithmetic: below 2e-16·max(1, |m33|),
-// also after 1e6 samples. The quaternion need not be unit.
+// Takes the next pose of a device ("head" is the head, every other name a hand), in the room that
+// the parameters say where the table is in, and gives its virtual pose. False: no row (a hand
+// before the first head sample in billiards, a device before the anchor's first in anchor); it is
+// counted. AP_INPUT where the virtual pose is not finite (farther out in h3 than a double can tell,
+// about 700 rho; a pose that is not finite), the tracker then stays as it was. AP_ENVIRONMENT only
+// without memory (a new device name). Measured error of an entry against exact arithmetic: below
+// 2e-16·max(1, |m33|), also after 1e6 samples. The quaternion need not be unit.
 enum ap_status ap_tracker_feed(struct ap_error *err, struct ap_tracker *tracker, const char *device,
-                               struct ap_pose table_from_device, bool *has_row,
+                               struct ap_pose room_from_device, bool *has_row,
                                struct ap_iso *world_from_device);
 
 // Samples that gave no row.
@@ -58,14 +61,14 @@ bool ap_tracker_leads(const struct ap_tracker *tracker, const char *device);
 // Where something that rests in the room is now (a wall, a mark on the floor): as a hand would be
 // there, but nothing is remembered of it. In naive by the head's own integration. False before
 // there is anything to place it by, or where the place is not finite.
-bool ap_tracker_place(const struct ap_tracker *tracker, struct ap_pose table_from_thing,
+bool ap_tracker_place(const struct ap_tracker *tracker, struct ap_pose room_from_thing,
                       struct ap_iso *world_from_thing);
 
 // Takes the visitor where the room does not reach: ap_anchored_carry of the anchor. AP_USAGE in
 // billiards and naive (the table holds her, or nothing does) and before the anchor's first sample;
 // AP_INPUT where the place would not be finite. The tracker then stays as it was.
 enum ap_status ap_tracker_carry(struct ap_error *err, struct ap_tracker *tracker,
-                                struct ap_pose table_from_grip, struct ap_pose motion);
+                                struct ap_pose room_from_grip, struct ap_pose motion);
 
 // The world's coordinates change (ap_anchored_rebase) for everything that moves in it. AP_USAGE in
 // billiards: the table stands where it stands.

@@ -47,9 +47,9 @@ struct watch {
 static struct watch watch = {.seconds = 3, .role = "head", .device = -1};
 
 static void on_started(void *user, int device, const struct ap_live_place *place,
-                       const struct ap_device_info *info) {
+                       const struct ap_device_info *info, int64_t now_ns) {
     struct watch *w = user;
-    (void)info;
+    (void)info, (void)now_ns;
     if (!w->serial || strcmp(w->serial, place->serial) == 0)
         w->device = device;
 }
