@@ -127,7 +127,7 @@ static void forget_in_child(void) {
     slot_count = slot_capacity = first_free = 0;
     live_count = 0;
     waiting = 0;
-    sim_after_unlock = NULL;
+    atomic_init(&sim_after_unlock, (void (*)(void))0);
     pthread_mutex_init(&mutex, NULL); // another thread may have held it
     make_changed();
 }

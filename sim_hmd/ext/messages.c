@@ -1,6 +1,7 @@
 #include "sim_hmd/ext/messages.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -55,7 +56,7 @@ static void deliver(void) {
             first = (first + 1) % MAX_WAITING;
             count--;
         } else {
-            sim_after_unlock = NULL;
+            atomic_store(&sim_after_unlock, (void (*)(void))0);
         }
         pthread_mutex_unlock(&mutex);
         if (!any)
@@ -85,7 +86,7 @@ void sim_message(XrDebugUtilsMessageSeverityFlagsEXT severity, XrDebugUtilsMessa
         snprintf(w->id, sizeof w->id, "%s", id);
         snprintf(w->function, sizeof w->function, "%s", function);
         snprintf(w->text, sizeof w->text, "%s", text);
-        sim_after_unlock = deliver;
+        atomic_store(&sim_after_unlock, deliver);
     }
     pthread_mutex_unlock(&mutex);
 }
