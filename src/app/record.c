@@ -54,12 +54,13 @@ static enum ap_status loop(struct ap_error *err, const struct record_options *o,
     int64_t start_ns = ap_clock_now_ns(), now_ns = start_ns;
     int64_t end_ns = isnan(o->seconds) ? INT64_MAX : start_ns + (int64_t)(o->seconds * 1e9);
     bool terminal = isatty(STDERR_FILENO);
+    int rounds = 0;
     enum ap_status st = AP_OK;
     while (!st && !ap_end_asked() && now_ns < end_ns && !(o->live.replay.count && is_over(live))) {
         now_ns += 50 * MS;
         ap_clock_sleep_until_ns(now_ns < end_ns ? now_ns : end_ns);
         st = ap_recorder_write(err, recorder, ap_clock_now_ns());
-        if (terminal)
+        if (terminal && ++rounds % 10 == 0)
             show_counts(recorder, start_ns);
     }
     if (terminal)

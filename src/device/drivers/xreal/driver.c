@@ -11,11 +11,10 @@ static const struct ap_driver_ids ids[] = {
     {0},
 };
 
-// Of several interfaces one measures; recordings do not say which one they are of.
+// The fourth interface of all but the Ultra takes commands to the screens and measures nothing.
 static bool match(const struct ap_device_info *info) {
-    int sensor = info->product == ULTRA ? 2 : 3;
-    return ap_driver_names(&ap_driver_xreal, info) &&
-           (!info->interface_known || info->interface_number == sensor);
+    bool screens = info->interface_known && info->interface_number == 4;
+    return ap_driver_names(&ap_driver_xreal, info) && (info->product == ULTRA || !screens);
 }
 
 static void init(void *state, const struct ap_device_info *info) {
