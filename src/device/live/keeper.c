@@ -104,7 +104,7 @@ static struct live_slot *make_slot(struct live_bus *bus) {
     bool room = live->slot_count < AP_LIVE_DEVICES_MAX;
     if (!slot || !feed || !room) {
         if (!live->is_full)
-            ap_log(AP_LOG_WARNING, "devices: no room for another one (%d are known)",
+            ap_log(AP_LOG_WARNING, "devices: no room or memory for another one (%d are known)",
                    live->slot_count);
         live->is_full = true;
         pthread_mutex_unlock(&live->lock);
