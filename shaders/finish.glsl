@@ -1,15 +1,20 @@
 // What a surface is made of, fragment by fragment, and its light: cloth with the shadows of balls and
 // the mouths of pockets, wood, billiard balls with stripe and number. Needs frame.glsl, light.glsl.
 
+// What a pipeline draws, so that none pays for what the others are made of: anything; balls; sticks;
+// sheets and solids.
+const int ANY = 0, BALLS = 1, STICKS = 2, SHEETS = 3;
+layout(constant_id = 0) const int DRAWS = ANY;
+
 layout(set = 0, binding = 2) uniform sampler2DArray decals; // coverage; a layer a text
 
-// On surfaces that take them: a ball that casts a shadow, or a pocket's mouth. at: its centre in the
-// coordinates of the part that takes it. shape: S of its radius, 1 for a mouth.
-struct Mark {
-    vec4 at, shape;
-};
-layout(std430, set = 0, binding = 3) readonly buffer Marks {
-    Mark marks[];
+// On the surface that takes them: balls that cast a shadow, and the mouths of pockets; their middles
+// in its coordinates, and S of their radii, 0 where there is none. In a uniform buffer, and looked at
+// by loops of a fixed length: what every pixel needs is then read once for many.
+const int SHADOWS = 16, MOUTHS = 8;
+layout(std140, set = 0, binding = 3) uniform Marks {
+    vec4 mark_at[SHADOWS + MOUTHS];
+    vec4 mark_sine[(SHADOWS + MOUTHS) / 4];
 };
 
 float hash(ivec3 v) {
@@ -69,42 +74,48 @@ vec3 ball_color(vec3 color, vec3 u, float pixel, bool striped, float decal) {
 // The balls that stand on a surface, seen from its point p: each hides of the surroundings the cosine
 // of its direction times sin² of its angular radius (exact for a ball wholly above the plane), and of
 // the lamp, a disc of light, what lies within that radius. All angles are of geodesics at p.
-void shadows(Draw d, vec4 p, vec4 n, vec4 to_lamp, float square, inout float open, inout float lit) {
+void shadows(vec4 p, vec4 n, vec4 to_lamp, float square, inout float open, inout float lit) {
     float lamp_sine = lamp_light.y * inversesqrt(square);
-    for (int i = 0; i < int(d.finish.w); i++) {
-        Mark mark = marks[int(d.finish.z) + i];
-        if (mark.shape.y > 0.5)
-            continue;
-        float far;
-        vec4 to_ball = toward(p, mark.at, far);
-        float s = min(mark.shape.x * inversesqrt(far), 1.0), c = sqrt(1.0 - s * s);
-        open -= max(0.0, inner(n, to_ball)) * s * s;
-        float along = clamp(inner(to_ball, to_lamp), -1.0, 1.0);
-        float beyond = sqrt(1.0 - along * along) * c - along * s; // sine of the angle past its rim
-        lit *= smoothstep(-lamp_sine, lamp_sine, beyond);
+    for (int i = 0; i < SHADOWS; i++) {
+        // n and to_lamp are tangent at p, so their products with the ball's middle are those with the
+        // direction to it, times S of its distance.
+        vec4 to_ball = kappa == 0 ? mark_at[i] - p : mark_at[i];
+        float c = inner(p, mark_at[i]);
+        float far = kappa == 0 ? dot(to_ball.xyz, to_ball.xyz) : float(kappa) * (1.0 - c * c);
+        float near = inversesqrt(max(far, 1e-9));
+        float s = min(mark_sine[i / 4][i % 4] * near, 1.0), cosine = sqrt(1.0 - s * s);
+        open -= max(0.0, inner(n, to_ball) * near) * s * s;
+        float along = clamp(inner(to_ball, to_lamp) * near, -1.0, 1.0);
+        float beyond = sqrt(1.0 - along * along) * cosine - along * s; // sine of the angle past its rim
+        lit *= s > 0.0 ? smoothstep(-lamp_sine, lamp_sine, beyond) : 1.0;
     }
     open = max(open, 0.0);
 }
 
 // The mouths of pockets: leather to the rim, black inside.
-vec3 pockets(Draw d, vec3 color, vec4 p, float pixel) {
-    for (int i = 0; i < int(d.finish.w); i++) {
-        Mark mark = marks[int(d.finish.z) + i];
-        if (mark.shape.y < 0.5 || (kappa > 0 && inner(p, mark.at) < 0.0))
-            continue;
-        float far;
-        toward(p, mark.at, far);
-        float r = sqrt(far) * rho, rim = mark.shape.x * rho, soft = max(pixel, 1e-4);
-        color = mix(color, vec3(0.10, 0.055, 0.03), smoothstep(-soft, soft, rim - r));
-        color = mix(color, vec3(0.004), smoothstep(-soft, soft, 0.92 * rim - r));
+vec3 pockets(vec3 color, vec4 p, float pixel) {
+    // Of all mouths the one that is nearest in terms of its radius.
+    float soft = max(pixel, 1e-4), nearest = 1e9, rim = 0.0;
+    for (int i = SHADOWS; i < SHADOWS + MOUTHS; i++) {
+        vec4 way = mark_at[i] - p;
+        float c = inner(p, mark_at[i]);
+        float far = kappa == 0 ? dot(way.xyz, way.xyz) : float(kappa) * (1.0 - c * c);
+        float sine = mark_sine[i / 4][i % 4], ratio = max(far, 0.0) / max(sine * sine, 1e-12);
+        bool there = sine > 0.0 && (kappa <= 0 || c > 0.0) && ratio < nearest;
+        nearest = there ? ratio : nearest;
+        rim = there ? sine * rho : rim;
     }
+    float r = sqrt(nearest) * rim;
+    color = mix(color, vec3(0.10, 0.055, 0.03), rim > 0.0 ? smoothstep(-soft, soft, rim - r) : 0.0);
+    color = mix(color, vec3(0.004), rim > 0.0 ? smoothstep(-soft, soft, 0.92 * rim - r) : 0.0);
     return color;
 }
 
 // p, n: place and normal in the part's coordinates, as they were interpolated.
 vec3 finished(Draw d, vec4 p, vec4 n) {
     int finish = int(d.finish.x);
-    bool ball = d.shape.z == BALL;
+    bool ball = DRAWS == BALLS || (DRAWS == ANY && d.shape.z == BALL);
+    bool sheet = DRAWS == SHEETS || DRAWS == ANY, stick = DRAWS == STICKS || DRAWS == ANY;
     vec3 u = p.xyz * inversesqrt(max(dot(p.xyz, p.xyz), 1e-12));
     if (ball) {
         p = vec4(d.shape.x * u, d.shape.y);
@@ -127,15 +138,15 @@ vec3 finished(Draw d, vec4 p, vec4 n) {
     float pixel = lamp_light.z * sqrt(nose_square) / max(facing, 0.2);
     vec3 color = d.color.rgb;
     float shine = ball ? 0.42 : finish == WOOD ? 0.14 : 0.0;
-    if (ball)
+    if (ball && finish >= POOL)
         color = ball_color(color, u, pixel / d.shape.x, finish == STRIPED, d.finish.y);
-    else if (finish == CLOTH)
+    else if (sheet && finish == CLOTH)
         color = cloth(color, rho * p.xz, rho * pixel);
-    else if (finish == WOOD)
+    else if (stick && finish == WOOD)
         color = wood(color, rho * p.xyz, rho * pixel);
-    if (d.finish.w > 0.5) {
-        shadows(d, p, n, to_lamp, square, open, lit);
-        color = pockets(d, color, p, rho * pixel);
+    if (sheet && d.finish.w > 0.5) {
+        shadows(p, n, to_lamp, square, open, lit);
+        color = pockets(color, p, rho * pixel);
     }
     float gloss = shine > 0.0 ? shine * gloss_of(n, to_lamp, to_nose) : 0.0;
     return min(color * strength_of(n, to_lamp, square, facing, open, lit) + gloss, vec3(1.0));

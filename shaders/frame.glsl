@@ -35,7 +35,7 @@ struct Draw {
     vec4 color;  // linear; a is 1 where the part is lit
     vec4 shape;  // of a ball S and C of its radius; kind; image + 2·way (native-of: 1,
                  // seen the long way round her own s3)
-    vec4 finish; // what it is made of; layer of its text, or −1; first mark, how many
+    vec4 finish; // what it is made of; layer of its text, or −1; 1: takes marks
 };
 
 layout(std430, set = 0, binding = 1) readonly buffer Draws {

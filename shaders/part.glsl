@@ -82,8 +82,13 @@ void main() {
     color = d.color;
     vec4 n = ball ? vec4(d.shape.y * position.xyz, -float(kappa) * d.shape.x) : normal;
     light = vec2(1.0, 0.0);
+#ifdef GUARD
     if (d.color.a > 0.5 && d.finish.x < 0.5)
         light = shade(d, p, n);
+#elif !defined(FINISH)
+    if (d.color.a > 0.5)
+        light = shade(d, p, n);
+#endif
 #if defined(FINISH) || defined(GUARD)
     place = p;
     face = n;

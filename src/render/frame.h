@@ -4,6 +4,7 @@
 #include <stdint.h>
 
 #include "src/geom/isometry.h"
+#include "src/scene/scene.h"
 #include "src/view/view.h"
 
 // shaders/frame.glsl in C: what the CPU makes in double and hands over rounded once. Matrices are
@@ -34,9 +35,10 @@ struct ap_gpu_draw {
     float lamp[4], nose[4], color[4], shape[4], finish[4];
 };
 
-// std430; shaders/finish.glsl
-struct ap_gpu_mark {
-    float at[4], shape[4];
+// std140; shaders/finish.glsl. Shadows of balls, then the mouths of pockets; a sine of 0: none.
+enum { AP_SHADOWS_MAX = 16, AP_MARKS_MAX = AP_SHADOWS_MAX + AP_MOUTHS_MAX };
+struct ap_gpu_marks {
+    float at[AP_MARKS_MAX][4], sine[AP_MARKS_MAX];
 };
 
 // The eyes, as far as they do not depend on what is drawn.

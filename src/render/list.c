@@ -76,12 +76,14 @@ static void count(struct ap_draw_list *list, const struct ap_draw_item *item, un
     }
 }
 
-static enum ap_pipeline_kind pipeline_for(const struct ap_part *part, bool guard) {
+static enum ap_pipeline_kind pipeline_for(const struct ap_part *part, bool guard, bool plain) {
     if (guard)
         return AP_PIPELINE_GUARD;
     bool closed = part->kind == AP_PART_BALL || part->kind == AP_PART_STICK;
-    if (part->lit && part->finish != AP_FINISH_PLAIN)
-        return closed ? AP_PIPELINE_FINISH : AP_PIPELINE_FINISH_TWOSIDED;
+    if (part->lit && part->finish != AP_FINISH_PLAIN && !plain)
+        return part->kind == AP_PART_BALL    ? AP_PIPELINE_BALLS
+               : part->kind == AP_PART_STICK ? AP_PIPELINE_STICKS
+                                             : AP_PIPELINE_SHEETS;
     return closed ? AP_PIPELINE_CLOSED : AP_PIPELINE_TWOSIDED;
 }
 
@@ -167,7 +169,8 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct ap_list_par
                                             .image = item->image,
                                             .max_error_px = params->max_error_px,
                                             .closed = item->pipeline == AP_PIPELINE_CLOSED ||
-                                                      item->pipeline == AP_PIPELINE_FINISH,
+                                                      item->pipeline == AP_PIPELINE_BALLS ||
+                                                      item->pipeline == AP_PIPELINE_STICKS,
                                             .triangles_max = REFINED_MAX - used};
     item->refined = true;
     list->stats.refined++;
@@ -239,7 +242,7 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
             ap_clear_of_eyes(viewer, params->eyes, &place))
             st = add_disc(err, params, list, &item, range_m, &of);
         if (st == AP_OK && item.eyes != 0) {
-            item.pipeline = pipeline_for(part, guard);
+            item.pipeline = pipeline_for(part, guard, params->input->plain);
             st = choose_mesh(err, params, &place, list, &item);
         }
         if (st == AP_OK && of != 0)
@@ -284,39 +287,29 @@ float ap_linear_color(double srgb) {
     return (float)(srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4));
 }
 
-size_t ap_draw_list_marks_max(const struct ap_scene *scene) {
-    size_t takers = 0, marks = (size_t)scene->mouth_count;
-    for (size_t i = 0; i < scene->part_count; i++) {
-        takers += scene->parts[i].takes_marks;
-        marks += scene->parts[i].casts_shadow;
-    }
-    return 4 * takers * marks; // an item each for two images and two ways
+static void set_mark(struct ap_space space, struct ap_vec4 at, double radius_m, int k,
+                     struct ap_gpu_marks *marks) {
+    ap_store_point(space, at, marks->at[k]);
+    marks->sine[k] = (float)ap_space_sin(space, radius_m / space.rho_m);
 }
 
-// The marks of one part, in its coordinates: what is near there has small ones.
-static size_t write_marks(const struct ap_scene *scene, const struct ap_part *taker,
-                          struct ap_gpu_mark *marks) {
+// In the coordinates of the part that takes them: what is near there has small ones.
+static void write_marks(const struct ap_scene *scene, const struct ap_part *taker,
+                        struct ap_gpu_marks *marks) {
     struct ap_space space = scene->space;
     struct ap_iso part_from_world = ap_iso_inverse(space, taker->carrier_from_part);
     const struct ap_vec4 base = {0, 0, 0, space.rho_m};
-    size_t count = 0;
-    for (size_t i = 0; i < scene->part_count; i++) {
+    int k = 0;
+    for (size_t i = 0; i < scene->part_count && k < AP_SHADOWS_MAX; i++) {
         const struct ap_part *p = &scene->parts[i];
         if (!p->casts_shadow || p->hidden || p->carrier != AP_CARRIER_WORLD)
             continue;
-        struct ap_gpu_mark *mark = &marks[count++];
         struct ap_iso at = ap_iso_mul(part_from_world, p->carrier_from_part);
-        ap_store_point(space, ap_iso_apply(&at, base), mark->at);
-        mark->shape[0] = (float)ap_space_sin(space, p->radius_m / space.rho_m);
-        mark->shape[1] = 0;
+        set_mark(space, ap_iso_apply(&at, base), p->radius_m, k++, marks);
     }
-    for (int i = 0; i < scene->mouth_count; i++) {
-        struct ap_gpu_mark *mark = &marks[count++];
-        ap_store_point(space, ap_iso_apply(&part_from_world, scene->mouths[i].at), mark->at);
-        mark->shape[0] = (float)ap_space_sin(space, scene->mouths[i].radius_m / space.rho_m);
-        mark->shape[1] = 1;
-    }
-    return count;
+    for (int i = 0; i < scene->mouth_count; i++)
+        set_mark(space, ap_iso_apply(&part_from_world, scene->mouths[i].at),
+                 scene->mouths[i].radius_m, AP_SHADOWS_MAX + i, marks);
 }
 
 static void write_item(const struct ap_scene *scene, const struct ap_frame_input *input,
@@ -357,21 +350,20 @@ static void write_item(const struct ap_scene *scene, const struct ap_frame_input
 
 void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_input *input,
                         const struct ap_eyes *eyes, const struct ap_draw_list *list,
-                        struct ap_gpu_draw *draws, struct ap_gpu_mark *marks) {
+                        struct ap_gpu_draw *draws, struct ap_gpu_marks *marks) {
     struct ap_vec4 lamp = ap_nose_from_world(&input->viewer, scene->lamp).x;
-    size_t mark_count = 0;
+    const struct ap_part *taker = NULL;
+    memset(marks, 0, sizeof *marks);
     for (size_t i = 0; i < list->count; i++) {
         const struct ap_part *part = &scene->parts[list->items[i].part];
         write_item(scene, input, eyes, &list->items[i], lamp, &draws[i]);
         float *finish = draws[i].finish;
-        finish[0] = part->lit ? (float)part->finish : 0;
+        finish[0] = part->lit && !input->plain ? (float)part->finish : 0;
         finish[1] = (float)(part->decal - 1);
-        finish[2] = (float)mark_count;
-        finish[3] = 0;
-        if (part->takes_marks && part->lit && part->carrier == AP_CARRIER_WORLD) {
-            size_t n = write_marks(scene, part, marks + mark_count);
-            finish[3] = (float)n;
-            mark_count += n;
-        }
+        finish[2] = 0;
+        bool takes = part->takes_marks && part->lit && part->carrier == AP_CARRIER_WORLD;
+        if (takes && !taker)
+            write_marks(scene, taker = part, marks);
+        finish[3] = takes && part == taker;
     }
 }

@@ -50,9 +50,6 @@ void ap_draw_list_destroy(struct ap_draw_list *list);
 enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_params *params,
                                  struct ap_draw_list *list);
 
-// How many marks (shadows of balls, mouths of pockets) a frame may need.
-size_t ap_draw_list_marks_max(const struct ap_scene *scene);
-
 // Room for so many more items.
 enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap_draw_list *list);
 
@@ -63,10 +60,10 @@ void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,
 // the input only.
 void ap_draw_list_sort(struct ap_draw_list *list);
 
-// Writes what the shaders need of each item, and the marks that surfaces take.
+// Writes what the shaders need of each item, and the marks of the surface that takes them.
 void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_input *input,
                         const struct ap_eyes *eyes, const struct ap_draw_list *list,
-                        struct ap_gpu_draw *draws, struct ap_gpu_mark *marks);
+                        struct ap_gpu_draw *draws, struct ap_gpu_marks *marks);
 
 // An sRGB component, 0…1, as linear light.
 float ap_linear_color(double srgb);

@@ -132,22 +132,26 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
         .pVertexBindingDescriptions = &binding,
         .vertexAttributeDescriptionCount = 2,
         .pVertexAttributeDescriptions = attributes};
-    bool closed = kind == AP_PIPELINE_CLOSED || kind == AP_PIPELINE_FINISH ||
-                  kind == AP_PIPELINE_GUARD_CLOSED;
-    static const int SET[AP_PIPELINE_COUNT] = {[AP_PIPELINE_GUARD] = 1,
-                                               [AP_PIPELINE_GUARD_CLOSED] = 1,
-                                               [AP_PIPELINE_FINISH] = 2,
-                                               [AP_PIPELINE_FINISH_TWOSIDED] = 2,
-                                               [AP_PIPELINE_DISC] = 3};
-    int set = SET[kind];
+    static const struct {
+        bool closed;
+        int shaders, draws; // draws: DRAWS of shaders/finish.glsl
+    } KIND[AP_PIPELINE_COUNT] = {[AP_PIPELINE_CLOSED] = {.closed = true},
+                                 [AP_PIPELINE_GUARD] = {.shaders = 1},
+                                 [AP_PIPELINE_GUARD_CLOSED] = {.closed = true, .shaders = 1},
+                                 [AP_PIPELINE_BALLS] = {true, 2, 1},
+                                 [AP_PIPELINE_STICKS] = {true, 2, 2},
+                                 [AP_PIPELINE_SHEETS] = {false, 2, 3},
+                                 [AP_PIPELINE_DISC] = {.shaders = 3}};
+    int set = KIND[kind].shaders;
     struct ap_pipeline_params pipeline = {.vertex = shader[2 * set],
                                           .fragment = shader[2 * set + 1],
+                                          .fragment_constant = KIND[kind].draws,
                                           .input = &input,
                                           .width = params->width,
                                           .height = params->height,
                                           .samples = params->samples,
-                                          .cull =
-                                              closed ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
+                                          .cull = KIND[kind].closed ? VK_CULL_MODE_BACK_BIT
+                                                                    : VK_CULL_MODE_NONE,
                                           .depth = true,
                                           .blend = kind == AP_PIPELINE_DISC,
                                           .layout = params->layout,

@@ -6,6 +6,7 @@
 // A graphics pipeline for triangles, one colour attachment.
 struct ap_pipeline_params {
     VkShaderModule vertex, fragment;
+    int32_t fragment_constant; // of the fragment shader's constant_id 0, where it has one
     const VkPipelineVertexInputStateCreateInfo *input; // NULL: no vertex buffers
     uint32_t width, height;
     VkSampleCountFlagBits samples;

@@ -94,7 +94,7 @@ static enum ap_status create_layouts(struct ap_error *err, struct ap_renderer *r
         {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, both, NULL},
         {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, both, NULL},
         {2, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
-        {3, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL}};
+        {3, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL}};
     VkDescriptorSetLayoutCreateInfo set = {.sType =
                                                VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                            .bindingCount = 4,
@@ -114,8 +114,8 @@ static enum ap_status create_layouts(struct ap_error *err, struct ap_renderer *r
                      "vkCreatePipelineLayout");
     if (st != AP_OK)
         return st;
-    VkDescriptorPoolSize sizes[3] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, RING},
-                                     {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2 * RING},
+    VkDescriptorPoolSize sizes[3] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 2 * RING},
+                                     {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, RING},
                                      {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, RING}};
     VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                        .maxSets = RING,
@@ -132,16 +132,16 @@ static void bind_slot_set(const struct ap_renderer *r, const struct slot *slot) 
                                                {slot->marks.buffer, 0, VK_WHOLE_SIZE}};
     const VkDescriptorImageInfo image = {r->decals.sampler, r->decals.image.view,
                                          VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    static const VkDescriptorType types[4] = {
+        VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+        VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER};
     VkWriteDescriptorSet writes[4];
     for (uint32_t i = 0; i < 4; i++)
         writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                            .dstSet = slot->set,
                                            .dstBinding = i,
                                            .descriptorCount = 1,
-                                           .descriptorType =
-                                               i == 0   ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
-                                               : i == 2 ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER
-                                                        : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                           .descriptorType = types[i],
                                            .pBufferInfo = i == 2 ? NULL : &buffers[i],
                                            .pImageInfo = i == 2 ? &image : NULL};
     vkUpdateDescriptorSets(r->gpu->device, 4, writes, 0, NULL);
@@ -180,10 +180,9 @@ static enum ap_status create_slot(struct ap_error *err, struct ap_renderer *r, s
     if (st == AP_OK)
         st = ap_gpu_buffer_create(err, r->gpu, draws, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true,
                                   &slot->draws);
-    VkDeviceSize marks = (ap_draw_list_marks_max(r->scene) + 1) * sizeof(struct ap_gpu_mark);
     if (st == AP_OK)
-        st = ap_gpu_buffer_create(err, r->gpu, marks, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true,
-                                  &slot->marks);
+        st = ap_gpu_buffer_create(err, r->gpu, sizeof(struct ap_gpu_marks),
+                                  VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, true, &slot->marks);
     return st == AP_OK ? fill_slot_set(err, r, slot) : st;
 }
 

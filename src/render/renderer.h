@@ -46,6 +46,8 @@ struct ap_frame_input {
     struct ap_viewer viewer;
     bool hand_tracked[2]; // left, right: parts of a hand that is not tracked are not drawn
     struct ap_iso world_from_hand[2];
+    bool
+        plain; // no materials, texts and shadows: light at the corners of triangles only, for speed
     unsigned closed_eyes; // bit e: eye e is shut, its picture is black and costs nothing
 };
 

@@ -77,7 +77,8 @@ struct ap_part {
     enum ap_finish finish;
     int decal;         // 1 + an index into scene->decals; 0: none
     bool casts_shadow; // a ball, on what takes marks
-    bool takes_marks;  // a surface on which such balls lie: their shadows, and the pockets' mouths
+    bool takes_marks;  // the surface on which such balls lie (the first 16): their shadows, and the
+                       // pockets' mouths. One part of a scene; it lies within a quarter turn of s3
     bool hidden;       // not drawn (a hand that is not tracked is handled by the renderer)
     char name[64];     // target name, or ""
     bool target;       // an unlit ball with a colour used once
