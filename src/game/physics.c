@@ -91,6 +91,15 @@ static double longest(const struct ap_physics *ph) {
                : c;
 }
 
+// The longest rho·sin(D/rho): in s3 at most rho, and at most the chord.
+static double lever_of(const struct ap_physics *ph) {
+    double rho2 = ph->shape.space.rho_m * ph->shape.space.rho_m;
+    int kappa = ph->shape.space.kappa;
+    if (kappa > 0)
+        return sqrt(fmin(ph->longest_m2, rho2));
+    return sqrt(ph->longest_m2 * (1 - kappa * ph->longest_m2 / (4 * rho2)));
+}
+
 static enum ap_status check_fit(struct ap_error *err, const struct ap_physics *ph) {
     const struct ap_table_shape *t = &ph->shape;
     double s = ph->params.ball_radius_m;
@@ -128,6 +137,9 @@ enum ap_status ap_physics_init(struct ap_error *err, const struct ap_table_shape
     ph.edge_height_m =
         shape->space.rho_m * ap_space_sin(shape->space, ph.edge_distance_m / shape->space.rho_m);
     ph.longest_m2 = longest(&ph);
+    ph.lever_m = lever_of(&ph);
+    ph.edge_lever =
+        shape->space.kappa < 0 ? cosh(2 * shape->circumradius_m / shape->space.rho_m) : 1;
     if (ph.params.pocket_radius_m == 0)
         ph.params.pocket_radius_m =
             sqrt(2) * (ph.params.cushion_m + ph.params.ball_radius_m) + ph.params.ball_radius_m;

@@ -69,7 +69,7 @@ struct ap_ball {
     bool straight;
     struct ap_plane2 along;
     int terms;
-    double series[AP_SERIES_MAX][3][3];
+    double series[AP_SERIES_MAX][12]; // row by row; the last three are nothing
 };
 
 enum ap_physics_kind {
@@ -100,9 +100,10 @@ struct ap_physics {
     double now_s, changed_s; // when something last began to move otherwise
     struct ap_ball ball[AP_BALLS_MAX];
     // Derived, all in metres: R = rho·tan_kappa(s/rho); the least foot distance from an edge and
-    // its rho·sin_kappa; chords² of contact, capture and the longest on the table.
+    // its rho·sin_kappa; chords² of contact, capture and the longest on the table;
+    // the longest rho·sin_kappa of a distance on it; the largest cos_kappa of one to an edge.
     double rolling_radius_m, edge_distance_m, edge_height_m;
-    double touch_m2, capture_m2, longest_m2;
+    double touch_m2, capture_m2, longest_m2, lever_m, edge_lever;
     struct ap_plane3 edge[AP_EDGES_MAX]; // plain dot product with a foot: rho·sin_kappa(distance)
     struct ap_plane3 pocket[AP_POCKETS_MAX];
     // The queue: before key[i][j] nothing happens between i and j (j > i), i and a cushion, i and a

@@ -8,9 +8,17 @@ struct ap_plane_frame ap_plane_mul(const struct ap_plane_frame *a, const struct 
     return c;
 }
 
-struct ap_plane_frame ap_plane_translate(struct ap_space space, struct ap_plane2 v_m) {
-    struct ap_iso m = ap_iso_translate(space, (struct ap_vec3){v_m.x, 0, v_m.z});
-    return ap_plane_of(&m);
+struct ap_plane_frame ap_plane_translate(struct ap_space space, struct ap_plane2 v) {
+    double length = ap_plane2_length(v), t = length / space.rho_m;
+    if (!(length > 0))
+        return AP_PLANE_FRAME_IDENTITY;
+    double x = v.x / length, z = v.z / length;
+    double half = ap_space_sin(space, t / 2), s = ap_space_sin(space, t);
+    // C − 1 without cancellation.
+    double less = -2 * space.kappa * half * half;
+    return (struct ap_plane_frame){{{1 + less * x * x, less * x * z, s * x},
+                                    {less * x * z, 1 + less * z * z, s * z},
+                                    {-space.kappa * s * x, -space.kappa * s * z, 1 + less}}};
 }
 
 void ap_plane_orthonormalize(int kappa, struct ap_plane_frame *f) {

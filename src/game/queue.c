@@ -13,6 +13,15 @@ static const double touch_tolerance = 1e-13, together_tolerance = 1e-9;
 // by ½·M of its square, 1e-17 m².
 static const double least_step_s = 1e-9;
 
+// Inline, of numbers that are numbers.
+static double least(double a, double b) {
+    return a < b ? a : b;
+}
+
+static double most(double a, double b) {
+    return a > b ? a : b;
+}
+
 void ap_queue_clear(struct ap_physics *ph) {
     for (int i = 0; i < AP_BALLS_MAX; i++) {
         for (int j = 0; j < AP_BALLS_MAX; j++)
@@ -35,7 +44,7 @@ static struct moment moment_of(const struct ap_physics *ph, int ball, double t_s
         m.speed = ap_plane2_length(b->velocity_m_s);
         if (b->state == AP_BALL_SLIDING && m.acceleration > 0)
             m.speed =
-                fmax(m.speed, ap_plane2_length(ap_plane2_add(b->velocity_m_s, b->t_end_s - b->t0_s,
+                most(m.speed, ap_plane2_length(ap_plane2_add(b->velocity_m_s, b->t_end_s - b->t0_s,
                                                              b->acceleration_m_s2)));
     }
     return m;
@@ -43,7 +52,7 @@ static struct moment moment_of(const struct ap_physics *ph, int ball, double t_s
 
 // The first x > 0 at which f + slope·x − ½·M·x² can be zero.
 static double first_root(double f, double slope, double M) {
-    f = fmax(f, 0);
+    f = most(f, 0);
     double root = sqrt(slope * slope + 2 * M * f);
     if (slope < 0)
         return 2 * f / (root - slope);
@@ -53,13 +62,8 @@ static double first_root(double f, double slope, double M) {
 // Bounds −d²/dt² of a chord² to something that may move too. <d, a> is at most |a|·rho·sin(D/rho);
 // in s3 the surface bends away by chord²·v²/rho² more.
 static double chord_bend(const struct ap_physics *ph, double accelerations, double speeds2) {
-    double rho2 = ph->shape.space.rho_m * ph->shape.space.rho_m;
-    int kappa = ph->shape.space.kappa;
-    // rho·sin(D/rho) in s3 is at most rho, and at most the chord.
-    double lever = kappa > 0 ? sqrt(fmin(ph->longest_m2, rho2))
-                             : sqrt(ph->longest_m2 * (1 - kappa * ph->longest_m2 / (4 * rho2)));
-    double bend = 2 * accelerations * lever;
-    return kappa > 0 ? bend + ph->longest_m2 * speeds2 / rho2 : bend;
+    double rho = ph->shape.space.rho_m, bend = 2 * accelerations * ph->lever_m;
+    return ph->shape.space.kappa > 0 ? bend + ph->longest_m2 * speeds2 / (rho * rho) : bend;
 }
 
 struct chord {
@@ -106,9 +110,9 @@ static bool pair_step(const struct ap_physics *ph, int i, int j, const struct mo
         double quiet = has_friction(ph) ? 1e-7 : -1e-12;
         if (-c.slope > -quiet * 4 * ph->rolling_radius_m)
             return true;
-        *next_s = t_s + fmax(first_root(0, c.slope, c.bend), least_step_s);
+        *next_s = t_s + most(first_root(0, c.slope, c.bend), least_step_s);
     } else {
-        *next_s = t_s + fmax(first_root(c.over, c.slope, c.bend), 2e-16 * t_s);
+        *next_s = t_s + most(first_root(c.over, c.slope, c.bend), 2e-16 * t_s);
     }
     *next_s = until_end(ph, i, j, *next_s);
     return false;
@@ -125,9 +129,8 @@ static bool cushion_step(const struct ap_physics *ph, int i, const struct moment
     *next_s = INFINITY;
     if (!in_play(ph, i) || !ap_ball_moves(&ph->ball[i]))
         return false;
-    double lever = space.kappa < 0 ? cosh(2 * ph->shape.circumradius_m / space.rho_m) : 1;
-    double bend =
-        m->acceleration * lever + (space.kappa > 0 ? m->speed * m->speed / space.rho_m : 0);
+    double bend = m->acceleration * ph->edge_lever +
+                  (space.kappa > 0 ? m->speed * m->speed / space.rho_m : 0);
     for (int k = 0; k < ph->edge_count; k++) {
         double over = dot3(ph->edge[k], m->foot) - ph->edge_height_m;
         double slope = dot3(ph->edge[k], m->velocity);
@@ -138,11 +141,11 @@ static bool cushion_step(const struct ap_physics *ph, int i, const struct moment
                 *edge = k;
                 return true;
             }
-            step = fmax(first_root(0, slope, bend), least_step_s);
+            step = most(first_root(0, slope, bend), least_step_s);
         } else {
-            step = fmax(first_root(over, slope, bend), 2e-16 * t_s);
+            step = most(first_root(over, slope, bend), 2e-16 * t_s);
         }
-        *next_s = fmin(*next_s, until_end(ph, i, i, t_s + step));
+        *next_s = least(*next_s, until_end(ph, i, i, t_s + step));
     }
     return false;
 }
@@ -163,19 +166,19 @@ static bool pocket_step(const struct ap_physics *ph, int i, const struct moment 
             *pocket = k;
             return true;
         }
-        double step = fmax(first_root(over, slope, bend), 2e-16 * t_s);
-        *next_s = fmin(*next_s, until_end(ph, i, i, t_s + step));
+        double step = most(first_root(over, slope, bend), 2e-16 * t_s);
+        *next_s = least(*next_s, until_end(ph, i, i, t_s + step));
     }
     return false;
 }
 
 static void renew_row(struct ap_physics *ph, int i) {
-    double least = fmin(ph->cushion_s[i], ph->pocket_s[i]);
+    double first = least(ph->cushion_s[i], ph->pocket_s[i]);
     if (in_play(ph, i))
-        least = fmin(least, ph->ball[i].t_end_s);
+        first = least(first, ph->ball[i].t_end_s);
     for (int j = i + 1; j < ph->ball_count; j++)
-        least = fmin(least, ph->pair_s[i][j]);
-    ph->row_s[i] = least;
+        first = least(first, ph->pair_s[i][j]);
+    ph->row_s[i] = first;
 }
 
 // A step that says "now" leaves now as the bound; the loop will find it.
@@ -362,7 +365,7 @@ bool ap_physics_next(struct ap_physics *ph, double until_s, struct ap_physics_ev
     for (;;) {
         if (ph->told_next < ph->told_count) {
             *event = ph->told[ph->told_next++];
-            ph->now_s = fmax(ph->now_s, event->t_s);
+            ph->now_s = most(ph->now_s, event->t_s);
             return true;
         }
         ph->told_count = ph->told_next = 0;
@@ -372,7 +375,7 @@ bool ap_physics_next(struct ap_physics *ph, double until_s, struct ap_physics_ev
                 first = i;
         double t_s = ph->ball_count > 0 ? ph->row_s[first] : INFINITY;
         if (!(t_s <= until_s)) {
-            ph->now_s = fmax(ph->now_s, until_s);
+            ph->now_s = most(ph->now_s, until_s);
             return false;
         }
         step_row(ph, first, t_s);

@@ -52,24 +52,25 @@ static void begin_roll(const struct ap_physics *ph, struct ap_ball *b, double sp
 }
 
 // next = (cur·xi0 + before·xi1)/(k + 1), row by row.
-static void recur(int kappa, double cur[3][3], double before[3][3], struct ap_plane2 xi0,
-                  struct ap_plane2 xi1, int k, double next[3][3]) {
+static void recur(int kappa, const double *cur, const double *before, struct ap_plane2 xi0,
+                  struct ap_plane2 xi1, int k, double *next) {
     double f = 1.0 / (k + 1);
-    for (int r = 0; r < 3; r++) {
-        double c0 = cur[r][2], c1 = before ? before[r][2] : 0;
-        next[r][0] = f * -kappa * (c0 * xi0.x + c1 * xi1.x);
-        next[r][1] = f * -kappa * (c0 * xi0.z + c1 * xi1.z);
-        double w = cur[r][0] * xi0.x + cur[r][1] * xi0.z;
+    for (int r = 0; r < 9; r += 3) {
+        double c0 = cur[r + 2], c1 = before ? before[r + 2] : 0;
+        next[r] = f * -kappa * (c0 * xi0.x + c1 * xi1.x);
+        next[r + 1] = f * -kappa * (c0 * xi0.z + c1 * xi1.z);
+        double w = cur[r] * xi0.x + cur[r + 1] * xi0.z;
         if (before)
-            w += before[r][0] * xi1.x + before[r][1] * xi1.z;
-        next[r][2] = f * w;
+            w += before[r] * xi1.x + before[r + 1] * xi1.z;
+        next[r + 2] = f * w;
     }
+    next[9] = next[10] = next[11] = 0;
 }
 
-static double norm_of(double m[3][3]) {
+static double norm_of(const double *m) {
     double sum = 0;
     for (int i = 0; i < 9; i++)
-        sum += m[i / 3][i % 3] * m[i / 3][i % 3];
+        sum += m[i] * m[i];
     return sqrt(sum);
 }
 
@@ -84,9 +85,9 @@ static void begin_series(const struct ap_physics *ph, struct ap_ball *b) {
         t = 2 * series_reach / (alpha + sqrt(alpha * alpha + 4 * series_reach * beta));
         b->t_end_s = b->t0_s + t;
     }
-    memset(b->series, 0, sizeof b->series);
-    for (int i = 0; i < 3; i++)
-        b->series[0][i][i] = 1;
+    memset(b->series[0], 0, sizeof b->series[0]);
+    for (int i = 0; i < 9; i += 4)
+        b->series[0][i] = 1;
     // The size of what is left, where each further term is at most half of the two before.
     double power = 1, last = 2, term = 2;
     int k = 0;
@@ -142,11 +143,12 @@ bool ap_segment_slip_ends(const struct ap_physics *ph, const struct ap_ball *b) 
 }
 
 static void series_at(const struct ap_ball *b, double t, struct ap_plane_frame *g) {
-    memcpy(g->m, b->series[b->terms - 1], sizeof g->m);
+    double sum[12];
+    memcpy(sum, b->series[b->terms - 1], sizeof sum);
     for (int k = b->terms - 2; k >= 0; k--)
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
-                g->m[i][j] = g->m[i][j] * t + b->series[k][i][j];
+        for (int i = 0; i < 12; i++) // four at a time where the machine can
+            sum[i] = sum[i] * t + b->series[k][i];
+    memcpy(g->m, sum, sizeof g->m);
 }
 
 // Way along the line at t, and the speed along it.
@@ -167,7 +169,13 @@ void ap_segment_at(const struct ap_physics *ph, const struct ap_ball *b, double 
         *velocity = (struct ap_plane3){0, 0, 0};
     } else if (b->straight) {
         double speed, way = way_at(b, t, &speed) / rho;
-        double c = ap_space_cos(space, way), s = ap_space_sin(space, way);
+        double c, s;
+        if (space.kappa > 0) {
+            sincos(way, &s, &c); // the hottest line of s3: one reduction for both
+        } else {
+            c = ap_space_cos(space, way);
+            s = ap_space_sin(space, way);
+        }
         *foot = ap_plane_apply(
             f, (struct ap_plane3){rho * s * b->along.x, rho * s * b->along.z, rho * c});
         *velocity =
@@ -183,6 +191,10 @@ void ap_segment_at(const struct ap_physics *ph, const struct ap_ball *b, double 
     }
 }
 
+static double length_of(struct ap_vec3 v) {
+    return sqrt(ap_vec3_dot(v, v));
+}
+
 static struct ap_quat axis_times(struct ap_vec3 w, struct ap_quat q) {
     return (struct ap_quat){w.x * q.w + w.y * q.z - w.z * q.y, w.y * q.w + w.z * q.x - w.x * q.z,
                             w.z * q.w + w.x * q.y - w.y * q.x, -w.x * q.x - w.y * q.y - w.z * q.z};
@@ -192,8 +204,8 @@ static struct ap_quat axis_times(struct ap_vec3 w, struct ap_quat q) {
 static struct ap_quat turn_series(struct ap_vec3 w0, struct ap_vec3 w1, double t,
                                   struct ap_quat q) {
     enum { TERMS = 19 };
-    double most = fmax(ap_vec3_length(w0), ap_vec3_length(ap_vec3_add(w0, ap_vec3_scale(t, w1))));
-    int steps = 1 + (int)fmin(1e6, (most * t + ap_vec3_length(w1) * t * t * 0.1) / 1.5);
+    double most = fmax(length_of(w0), length_of(ap_vec3_add(w0, ap_vec3_scale(t, w1))));
+    int steps = 1 + (int)fmin(1e6, (most * t + length_of(w1) * t * t * 0.1) / 1.5);
     double h = t / steps;
     for (int i = 0; i < steps; i++) {
         struct ap_vec3 a = ap_vec3_scale(0.5 * h, ap_vec3_add(w0, ap_vec3_scale(i * h, w1)));
@@ -215,10 +227,10 @@ static struct ap_quat turn_series(struct ap_vec3 w0, struct ap_vec3 w1, double t
 // Turned by w0 + w1·t over t.
 static struct ap_quat turned(struct ap_vec3 w0, struct ap_vec3 w1, double t, struct ap_quat q) {
     struct ap_vec3 whole = ap_vec3_add(ap_vec3_scale(t, w0), ap_vec3_scale(0.5 * t * t, w1));
-    double cross = ap_vec3_length(ap_vec3_cross(w0, w1));
-    if (cross > 1e-13 * ap_vec3_length(w0) * ap_vec3_length(w1))
+    double cross = length_of(ap_vec3_cross(w0, w1));
+    if (cross > 1e-13 * length_of(w0) * length_of(w1))
         return turn_series(w0, w1, t, q);
-    double angle = ap_vec3_length(whole);
+    double angle = length_of(whole);
     if (!(angle > 0))
         return q;
     struct ap_vec3 axis = ap_vec3_scale(1 / angle, whole);

@@ -197,6 +197,33 @@ static void test_path(void **state) {
     }
 }
 
+// A ball that is sent at a pocket falls in, at the mouth; six of them in e3 where asked.
+static void test_pockets(void **state) {
+    (void)state;
+    for (int kappa = -1; kappa <= 1; kappa++) {
+        struct ap_physics_params params = {.side_pockets = kappa == 0};
+        struct ap_physics ph;
+        open_table(kappa, &params, &ph);
+        int pockets = ph.shape.sides + (kappa == 0 ? 2 : 0);
+        assert_int_equal(ph.pocket_count, pockets);
+        for (int k = 0; k < pockets; k++) {
+            place(&ph, 0, 0.01, 0.02);
+            struct ap_plane3 c = ph.pocket[k], p = ap_physics_motion(&ph, 0, ph.now_s).foot_m;
+            struct ap_strike s = {.direction = {c.x - p.x, c.z - p.z, c.w - p.w}, .speed_m_s = 1};
+            strike(&ph, 0, &s);
+            struct ap_physics_event e;
+            do
+                assert_true(ap_physics_next(&ph, ph.now_s + 60, &e));
+            while (e.kind == AP_EVENT_ROLL);
+            assert_int_equal(e.kind, AP_EVENT_POCKET);
+            assert_int_equal(e.b, k);
+            assert_int_equal(ph.ball[0].pocket, k);
+            p = ap_physics_motion(&ph, 0, ph.now_s).foot_m;
+            check_near(sqrt(ap_plane_chord2(kappa, p, c)), sqrt(ph.capture_m2), 1e-13);
+        }
+    }
+}
+
 static void expect(enum ap_status got, enum ap_status want, const struct ap_error *err,
                    const char *word) {
     assert_int_equal(got, want);
@@ -239,6 +266,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nothing_missed), cmocka_unit_test(test_cuts_do_not_matter),
         cmocka_unit_test(test_tight_rack),     cmocka_unit_test(test_long_game),
-        cmocka_unit_test(test_path),           cmocka_unit_test(test_bad_input)};
+        cmocka_unit_test(test_path),           cmocka_unit_test(test_pockets),
+        cmocka_unit_test(test_bad_input)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

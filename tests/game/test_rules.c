@@ -288,6 +288,8 @@ static void expect_refused(const char *path, const char *text, const char *from,
     const char *at = strstr(text, from);
     assert_non_null(at);
     char *bad = malloc(strlen(text) + strlen(to) + 1);
+    if (!bad)
+        abort();
     sprintf(bad, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
     put(path, bad);
     struct ap_error err = {""};
