@@ -54,42 +54,49 @@ static bool is_tracked(XrSpaceLocation at) {
     return at.locationFlags & XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT;
 }
 
+static int by_size(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 static void the_head_turns_and_goes(void **state) {
     (void)state;
     write_recording();
-    client_settings("{\"poses\": {\"devices\": [\"head=slimevr\"], \"replay\": [\"head.hid\"]}, "
-                    "\"refresh_hz\": 50}");
+    client_settings("{\"poses\": {\"devices\": [\"head=slimevr\"], \"replay\": [\"head.hid\"], "
+                    "\"stats\": true}, \"refresh_hz\": 50}");
     struct client c = {0};
     client_start(&c);
-    XrTime first = 0, seen_ns = 0, lost_ns = 0;
-    double first_yaw = 0, worst = 0;
-    for (int frame = 0; frame < 400 && !lost_ns; frame++) {
-        XrTime now = client_wait(&c).predictedDisplayTime;
+    // Seen, and then not for 0.3 s: a machine that stands still for a moment loses it, too.
+    XrTime first = 0, seen_ns = 0, now = 0;
+    double first_yaw = 0;
+    static double errors[400];
+    size_t count = 0;
+    for (int frame = 0; frame < 400 && (!seen_ns || now - seen_ns < 300000000); frame++) {
+        now = client_wait(&c).predictedDisplayTime;
         client_begin(&c);
         XrSpaceLocation at = head_at(&c, now);
         client_end_empty(&c, now);
-        if (is_tracked(at)) {
-            if (!seen_ns) {
-                first = now;
-                first_yaw = yaw_of(at.pose.orientation);
-            }
-            seen_ns = now;
-            double error =
-                yaw_of(at.pose.orientation) - first_yaw - RATE_RAD_S * (double)(now - first) * 1e-9;
-            worst = fmax(worst, fabs(error));
-            // The neck model's: 8 cm above and before 1.5 m.
-            assert_true(fabs((double)at.pose.position.y - 1.58) < 1e-3);
-        } else if (seen_ns) {
-            lost_ns = now;
+        if (!is_tracked(at))
+            continue;
+        if (!seen_ns) {
+            first = now;
+            first_yaw = yaw_of(at.pose.orientation);
         }
+        seen_ns = now;
+        errors[count++] = fabs(yaw_of(at.pose.orientation) - first_yaw -
+                               RATE_RAD_S * (double)(now - first) * 1e-9);
+        // The neck model's: 8 cm above and before 1.5 m.
+        assert_true(fabs((double)at.pose.position.y - 1.58) < 1e-3);
     }
-    // A prediction fades; a machine that stands still for a moment asks farther ahead.
-    printf("yaw within %.4f rad of what it was turned by, over %.2f s\n", worst,
-           (double)(seen_ns - first) * 1e-9);
+    qsort(errors, count, sizeof *errors, by_size);
+    double middle = errors[count / 2], worst = errors[count ? count - 1 : 0];
+    printf("yaw within %.4f rad of what it was turned by (worst %.4f), over %.2f s\n", middle,
+           worst, (double)(seen_ns - first) * 1e-9);
     assert_true(seen_ns - first > 1500000000);
-    if (!(worst < 0.05))
-        fail_msg("the head is %.4f rad off, allowed 0.05", worst);
-    assert_true(lost_ns > 0); // the recording's end unplugs it
+    // A prediction ends after 40 ms and is lost after 100: 0.08 rad.
+    if (!(middle < 0.01 && worst < 0.1))
+        fail_msg("the head is %.4f rad off, %.4f at worst; allowed 0.01 and 0.1", middle, worst);
+    assert_true(now - seen_ns >= 300000000); // the recording's end unplugs it
     client_stop(&c);
 }
 
