@@ -164,6 +164,20 @@ def tables(studio):
         studio.keep(folder, "table-h3-" + name, "sbs")
 
 
+def readme(studio):
+    folder = studio.shoot("readme", (0.18, 1.36, 0.86, 0.16, -0.72), size=(548, 400), half=0.62,
+                          options=["--space", "h3"])
+    studio.keep(folder, "h3-sbs", "sbs")
+
+
+def dodecahedra(studio):
+    """The tilings of h3 by right-angled dodecahedra and of s3 by those with angles of 120 degrees."""
+    for name, symbol in (("h3", "5,3,4"), ("s3", "5,3,3")):
+        folder = studio.shoot("dodecahedra-" + name, (0.05, 0.03, 0.1, 0.4, 0.15), half=0.75,
+                              options=["--scene", "honeycomb:" + symbol])
+        studio.keep(folder, "dodecahedra-" + name)
+
+
 def sizes(studio):
     """Balls in s3 that look smaller and then larger; their angular size against the exact one."""
     rho, s, half, size = 1.0, 0.035, 0.75, (960, 400)
@@ -324,7 +338,7 @@ def main(argv):
         print(__doc__, file=sys.stderr)
         return 2
     studio = Studio(program, argv[1])
-    for figure in (tables, sizes, cue_stick, holonomy, banana):
+    for figure in (readme, tables, sizes, cue_stick, holonomy, banana, dodecahedra):
         print("%s:" % figure.__name__, flush=True)
         figure(studio)
     return 0

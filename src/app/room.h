@@ -43,7 +43,6 @@ struct ap_room_options {
         {"max-error", AP_OPTION_NUMBER, &(o).max_error_px, "PX",                                   \
          "farthest that a surface may be seen from where it is (0.25)"},                           \
         {"samples", AP_OPTION_NUMBER, &(o).samples, "N", "a pixel: 4, 16 or 64 (4)"},              \
-        {"scene", AP_OPTION_TEXT, &(o).scene, "FILE", "a scene (default: the billiards room)"},    \
         {"scene", AP_OPTION_TEXT, &(o).scene, "FILE",                                              \
          "a scene, or a name (docs/honeycombs.md); default: billiards"},                           \
         {"table-edge", AP_OPTION_NUMBER, &(o).table_edge_m, "M",                                   \
