@@ -16,7 +16,8 @@ static const char *const top_keys[] = {
 static const char *const log_keys[] = {"logs", "up", "head_frame", "skip_bad", "table_at", NULL};
 static const char *const script_keys[] = {"script",     "table_edge_m", "table_height_m",
                                           "duration_s", "seed",         NULL};
-static const char *const device_keys[] = {"devices", "position", "replay", "stats", NULL};
+static const char *const device_keys[] = {"devices", "position",    "replay",
+                                          "stats",   "calibration", NULL};
 static const char *const window_keys[] = {"window", NULL};
 static const char *const capture_keys[] = {"dir",    "frames", "layers", "composed",
                                            "format", "lens",   "log",    NULL};
@@ -248,6 +249,14 @@ static enum ap_status read_devices(struct ap_error *err, const struct ap_json_at
         st = read_texts(err, poses, "position", false, &s->devices.position);
     if (!st)
         st = read_texts(err, poses, "replay", true, &s->devices.replay);
+    const char *folder = NULL;
+    if (!st && ap_json_has(poses, "calibration"))
+        st = ap_json_string(err, poses, "calibration", &folder);
+    if (!st && folder) {
+        s->devices.calibration = resolve_path(poses->parent->file, folder);
+        if (!s->devices.calibration)
+            return no_memory(err);
+    }
     if (!st && ap_json_has(poses, "stats"))
         st = ap_json_bool(err, poses, "stats", &s->devices.stats);
     return st;
@@ -516,6 +525,7 @@ static void free_texts(struct sim_texts *texts) {
 
 void sim_settings_finish(struct sim_settings *settings) {
     free_texts(&settings->devices.assign);
+    free(settings->devices.calibration);
     free_texts(&settings->devices.position);
     free_texts(&settings->devices.replay);
     for (size_t i = 0; i < settings->log_count; i++)

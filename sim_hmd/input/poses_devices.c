@@ -8,6 +8,7 @@
 #include "src/base/clock.h"
 #include "src/base/log.h"
 #include "src/device/live/live.h"
+#include "src/device/live/mounts.h"
 
 // What is plugged in: head and hands are where their trackers are, predicted to the time that is
 // asked for. With a window its keyboard and mouse stand in for whoever has no tracker. No call here
@@ -47,15 +48,19 @@ static enum ap_status open_live(struct ap_error *err, const struct sim_device_se
                                     .position = (const char *const *)s->position.text,
                                     .position_count = s->position.count};
     struct ap_live_bus way;
-    if (s->replay.count) {
-        enum ap_status st =
-            ap_live_replay(err, (const char *const *)s->replay.text, s->replay.count, &way);
-        if (st)
-            return st;
+    struct ap_live_mounts mounts = {.count = 0};
+    enum ap_status st = s->calibration ? ap_live_mounts_read(err, s->calibration, &mounts) : AP_OK;
+    params.mounts = mounts.mounts;
+    params.mount_count = (size_t)mounts.count;
+    if (!st && s->replay.count) {
+        st = ap_live_replay(err, (const char *const *)s->replay.text, s->replay.count, &way);
         params.buses = &way;
         params.bus_count = 1;
     }
-    return ap_live_open(err, &params, live);
+    if (!st)
+        st = ap_live_open(err, &params, live);
+    ap_live_mounts_finish(&mounts);
+    return st;
 }
 
 static void say_devices(const struct ap_live *live) {

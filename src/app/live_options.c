@@ -5,28 +5,16 @@
 
 #include "src/app/room_file.h"
 #include "src/base/log.h"
-#include "src/device/calibration/store.h"
+#include "src/device/live/mounts.h"
 #include "src/device/live/rules.h"
 
-// What `antipode calibrate` has kept; *list and *mounts are malloc'ed.
-static enum ap_status read_calibrations(struct ap_error *err, struct ap_device_calibration **list,
-                                        struct ap_live_mount **mounts, int *count) {
+// What `antipode calibrate` has kept. Where nobody has a home that is nothing.
+static enum ap_status read_mounts(struct ap_error *err, struct ap_live_mounts *mounts) {
     char *dir = NULL;
-    *list = calloc(AP_CALIBRATED_MAX, sizeof **list);
-    *mounts = calloc(AP_CALIBRATED_MAX, sizeof **mounts);
-    enum ap_status st = *list && *mounts ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "out of memory");
-    // Where nobody has a home nothing has been kept.
-    if (!st && ap_config_path(NULL, NULL, &dir) == AP_OK)
-        st = ap_calibration_list(err, dir, AP_CALIBRATED_MAX, *list, count);
+    if (ap_config_path(NULL, NULL, &dir))
+        return AP_OK;
+    enum ap_status st = ap_live_mounts_read(err, dir, mounts);
     free(dir);
-    for (int i = 0; !st && i < *count; i++) {
-        const struct ap_device_calibration *c = &(*list)[i];
-        (*mounts)[i] = (struct ap_live_mount){.serial = c->key};
-        if (c->has_mount)
-            (*mounts)[i].tracker_from_body = c->tracker_from_body;
-        if (c->has_bias)
-            (*mounts)[i].bias = c->rest.bias;
-    }
     return st;
 }
 
@@ -34,12 +22,10 @@ enum ap_status ap_live_options_open(struct ap_error *err, const struct ap_live_o
                                     const struct ap_live_params *base, struct ap_live **live) {
     struct ap_live_params params = *base;
     struct ap_live_bus way;
-    struct ap_device_calibration *list = NULL;
-    struct ap_live_mount *mounts = NULL;
-    int count = 0;
-    enum ap_status st = o->uncalibrated ? AP_OK : read_calibrations(err, &list, &mounts, &count);
-    params.mounts = mounts;
-    params.mount_count = (size_t)count;
+    struct ap_live_mounts mounts = {.count = 0};
+    enum ap_status st = o->uncalibrated ? AP_OK : read_mounts(err, &mounts);
+    params.mounts = mounts.mounts;
+    params.mount_count = (size_t)mounts.count;
     params.assign = o->device.text;
     params.assign_count = o->device.count;
     params.position = o->position.text;
@@ -51,8 +37,7 @@ enum ap_status ap_live_options_open(struct ap_error *err, const struct ap_live_o
     }
     if (!st)
         st = ap_live_open(err, &params, live);
-    free(list);
-    free(mounts);
+    ap_live_mounts_finish(&mounts);
     return st;
 }
 
@@ -75,15 +60,26 @@ static json_t *texts_json(const struct ap_text_list *list, bool paths) {
     return array;
 }
 
+// Where the runtime finds what is calibrated: it does not look for anybody's home.
+static bool add_calibration(json_t *object) {
+    char *dir = NULL;
+    if (ap_config_path(NULL, NULL, &dir))
+        return true;
+    bool added = json_object_set_new(object, "calibration", json_string(dir)) == 0;
+    free(dir);
+    return added;
+}
+
 json_t *ap_live_options_json(const struct ap_live_options *o, bool stats) {
     json_t *devices = texts_json(&o->device, false), *position = texts_json(&o->position, false);
-    json_t *replay = texts_json(&o->replay, true);
-    if (devices && position && replay)
-        return json_pack("{s:o, s:o, s:o, s:b}", "devices", devices, "position", position, "replay",
-                         replay, "stats", stats);
-    json_decref(devices);
-    json_decref(position);
-    json_decref(replay);
+    json_t *replay = texts_json(&o->replay, true), *object = json_object();
+    bool ok = json_object_set_new(object, "devices", devices) == 0;
+    ok = json_object_set_new(object, "position", position) == 0 && ok;
+    ok = json_object_set_new(object, "replay", replay) == 0 && ok;
+    ok = json_object_set_new(object, "stats", json_boolean(stats)) == 0 && ok;
+    if (ok && add_calibration(object))
+        return object;
+    json_decref(object);
     return NULL;
 }
 

@@ -119,6 +119,13 @@ expect 0 '' "$antipode" calibrate mount --replay "$work/nod.hid"
 grep -Eq 'axes -?0\.0[0-9]* -?0\.0[0-9]* -?(1\.0|0\.99)[0-9]* -?0\.0[0-9]*, from a nod of (29|30)' "$work/stdout" ||
 	fail "mount: $(cat "$work/stdout")"
 
+# What is kept is read by whoever uses devices.
+cp "$XDG_CONFIG_HOME/antipode/devices/054c%3A0e41.json" "$work/ear.json" || fail 'the file of the ear'
+sed 's/"version": 1/"version": 2/' "$work/ear.json" >"$XDG_CONFIG_HOME/antipode/devices/054c%3A0e41.json"
+expect 3 '054c%3A0e41.json: /version: this program reads version 1' "$antipode" devices --replay "$work/nod.hid"
+cp "$work/ear.json" "$XDG_CONFIG_HOME/antipode/devices/054c%3A0e41.json"
+expect 0 '' "$antipode" devices --replay "$work/nod.hid"
+
 expect 2 "nothing is known of 'nobody'" "$antipode" calibrate forget nobody
 expect 0 '' "$antipode" calibrate forget table
 [ ! -e "$room" ] || fail 'the table is not forgotten'

@@ -56,6 +56,19 @@ plug() {
 	until_true 5 grep -q plugged "$plug_output" || fail "$plug_program $*: $(cat "$plug_output")"
 }
 
+# within OUTPUT 'STATE' PLAYER-OUTPUT MS: the role got into the state within so long of unplugging.
+within() {
+	when=$(sed -n "s/^state [a-z]* $2 at \([0-9]*\)/\1/p" "$1" | tail -n 1)
+	unplugged=$(sed -n 's/^unplugged at \([0-9]*\)/\1/p' "$3" | tail -n 1)
+	[ -n "$when" ] && [ -n "$unplugged" ] || { echo "$2 at '$when', unplugged at '$unplugged'"; return 1; }
+	awk -v w="$when" -v u="$unplugged" -v m="$4" 'BEGIN { printf "%s %.1f ms after unplugging\n", "'"$2"'", (w - u) / 1e6; exit !(w >= u && w - u < m * 1e6) }'
+}
+
+# test_count N PATTERN: of lines in /tmp/out.
+test_count() {
+	[ "$(grep -c "$2" /tmp/out)" -ge "$1" ]
+}
+
 unplug() {
 	kill "$1" 2>/dev/null
 	wait "$1" 2>/dev/null

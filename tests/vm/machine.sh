@@ -12,7 +12,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 PATH=$PATH:/usr/sbin:/sbin
 kernel=${ANTIPODE_VM_KERNEL:-${ANTIPODE_BUILD:?}/tests/vm/kernel}
-limit=${ANTIPODE_VM_LIMIT:-300}
+limit=${ANTIPODE_VM_LIMIT:-1200}
 
 skip() {
 	echo "skipped: $*"

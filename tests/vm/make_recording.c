@@ -89,14 +89,17 @@ static void slimevr(long count, double hz, double yaw) {
     head_of_slimevr();
     for (long i = 0; i < count; i++) {
         uint8_t report[64] = {255, 0, 1, 2, 3, 4, 5, 6};
-        double half = 0.5 * (yaw + 1e-4 * (double)i);
+        double half = 0.5 * (yaw + 1e-3 * (double)i);
         // Four packets: who the tracker is, and three times where (the firmware repeats itself).
-        // Its world has z up.
+        // Its world has z up, and worn upright it is turned by a quarter about x there.
+        double c = 32767 * sqrt(0.5) * cos(half), s = 32767 * sqrt(0.5) * sin(half);
         for (int k = 1; k < 4; k++) {
             uint8_t *p = report + 16 * k;
             p[0] = 1;
-            put_i16(p + 6, 32767 * sin(half));
-            put_i16(p + 8, 32767 * cos(half));
+            put_i16(p + 2, c);
+            put_i16(p + 4, s);
+            put_i16(p + 6, s);
+            put_i16(p + 8, c);
             put_i16(p + 14, 9.81 * 128);
         }
         put_report(i, hz, report, sizeof report);
