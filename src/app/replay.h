@@ -26,7 +26,8 @@ struct ap_replay_totals {
     int64_t stepped, drawn;
     double wait_ms, track_ms, draw_ms, end_ms, run_ms;
     uint64_t draws, culled, back_draws, triangles, vertices;
-    uint64_t refined, beyond_bound; // parts·images (struct ap_frame_stats)
+    uint64_t refined, beyond_bound, out_of_domain; // parts·images (struct ap_frame_stats)
+    double place_ms, record_ms, submit_ms, gpu_ms; // of draw_ms but the last
     struct {
         uint64_t visited, cone, size, budget;
     } cells; // of a world of cells
@@ -64,8 +65,14 @@ void ap_replay_write_frame_row(struct ap_replay *replay, const struct ap_frame_r
 void ap_replay_write_view_rows(struct ap_replay *replay, int64_t frame,
                                const struct ap_xr_view views[2],
                                const struct ap_frame_stats *stats);
-void ap_replay_write_timing(struct ap_replay *replay, int64_t frame, double wait_ms,
-                            double track_ms, double draw_ms, double end_ms);
+// Milliseconds of one frame that was drawn.
+struct ap_replay_times {
+    double wait_ms, track_ms, draw_ms, end_ms;
+    double place_ms, record_ms, submit_ms; // of draw_ms
+    double gpu_ms;                         // NAN: not known
+};
+void ap_replay_write_timing(struct ap_replay *replay, int64_t frame,
+                            const struct ap_replay_times *times);
 
 // DIR/poses.csv: the merged log in the table's frame, which the simulated headset replays.
 // DIR/sim.json: the simulated headset's settings.

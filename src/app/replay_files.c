@@ -1,3 +1,4 @@
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,7 +34,8 @@ enum ap_status ap_replay_tables_open(struct ap_error *err, struct ap_replay *rep
     fputs("frame,eye,fov_left_rad,fov_right_rad,fov_up_rad,fov_down_rad,draws,culled,back_draws,"
           "triangles,vertices,cells,cells_out_of_view,cells_too_small,cells_over_budget\n",
           t->views.stream);
-    fputs("frame,wait_ms,track_ms,draw_ms,end_ms\n", t->timing.stream);
+    fputs("frame,wait_ms,track_ms,draw_ms,end_ms,place_ms,record_ms,submit_ms,gpu_ms\n",
+          t->timing.stream);
     return AP_OK;
 }
 
@@ -92,10 +94,15 @@ void ap_replay_write_view_rows(struct ap_replay *replay, int64_t frame,
     }
 }
 
-void ap_replay_write_timing(struct ap_replay *replay, int64_t frame, double wait_ms,
-                            double track_ms, double draw_ms, double end_ms) {
-    fprintf(replay->tables.timing.stream, "%lld,%.4f,%.4f,%.4f,%.4f\n", (long long)frame, wait_ms,
-            track_ms, draw_ms, end_ms);
+void ap_replay_write_timing(struct ap_replay *replay, int64_t frame,
+                            const struct ap_replay_times *t) {
+    FILE *out = replay->tables.timing.stream;
+    fprintf(out, "%lld,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,", (long long)frame, t->wait_ms,
+            t->track_ms, t->draw_ms, t->end_ms, t->place_ms, t->record_ms, t->submit_ms);
+    if (isnan(t->gpu_ms))
+        fputc('\n', out);
+    else
+        fprintf(out, "%.4f\n", t->gpu_ms);
 }
 
 enum ap_status ap_replay_write_poses(struct ap_error *err, const struct ap_replay *replay) {

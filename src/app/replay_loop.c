@@ -159,10 +159,11 @@ static void count_views(struct ap_replay_totals *totals, const struct ap_frame_s
                "some surfaces come too near for --max-error to hold everywhere; --stats "
                "counts them");
     totals->beyond_bound += stats->beyond_bound;
+    totals->out_of_domain += stats->out_of_domain;
 }
 
-static enum ap_status draw(struct ap_error *err, struct loop *loop,
-                           const struct ap_xr_frame *frame) {
+static enum ap_status draw(struct ap_error *err, struct loop *loop, const struct ap_xr_frame *frame,
+                           struct ap_replay_times *times) {
     struct ap_replay *replay = loop->replay;
     struct ap_xr_images images;
     enum ap_status st = ap_xr_acquire(err, loop->xr, &images);
@@ -177,10 +178,24 @@ static enum ap_status draw(struct ap_error *err, struct loop *loop,
     st = ap_renderer_draw(err, loop->renderer, &loop->input, &target, &stats);
     if (st)
         return st;
+    times->place_ms = stats.place_ms;
+    times->record_ms = stats.record_ms;
+    times->submit_ms = stats.submit_ms;
     ap_replay_write_view_rows(replay, loop->next, frame->view, &stats);
     count_views(&replay->totals, &stats);
     replay->totals.drawn++;
     return note_captured(err, replay, loop->next);
+}
+
+static void add_times(struct ap_replay_totals *totals, const struct ap_replay_times *times) {
+    totals->wait_ms += times->wait_ms;
+    totals->track_ms += times->track_ms;
+    totals->draw_ms += times->draw_ms;
+    totals->end_ms += times->end_ms;
+    totals->place_ms += times->place_ms;
+    totals->record_ms += times->record_ms;
+    totals->submit_ms += times->submit_ms;
+    totals->gpu_ms += isnan(times->gpu_ms) ? 0 : times->gpu_ms;
 }
 
 static enum ap_status step(struct ap_error *err, struct loop *loop) {
@@ -190,27 +205,26 @@ static enum ap_status step(struct ap_error *err, struct loop *loop) {
     enum ap_status st = ap_xr_begin_frame(err, loop->xr, &frame);
     if (st)
         return st;
-    double wait_ms = ms_since(&mark);
+    struct ap_replay_times times = {.wait_ms = ms_since(&mark), .gpu_ms = NAN};
     st = step_devices(err, loop, &frame);
     if (!st && loop->replay->play)
         st = ap_table_play_step(err, loop->replay->play,
                                 (double)(frame.time_ns - 1000000000) * 1e-9);
     if (st)
         return st;
-    double track_ms = ms_since(&mark);
+    times.track_ms = ms_since(&mark);
     if (frame.should_render)
-        st = draw(err, loop, &frame);
+        st = draw(err, loop, &frame, &times);
     if (st)
         return st;
-    double draw_ms = ms_since(&mark);
+    times.draw_ms = ms_since(&mark);
     st = ap_xr_end_frame(err, loop->xr, &frame);
-    double end_ms = ms_since(&mark);
-    if (frame.should_render)
-        ap_replay_write_timing(loop->replay, loop->next, wait_ms, track_ms, draw_ms, end_ms);
-    totals->wait_ms += wait_ms;
-    totals->track_ms += track_ms;
-    totals->draw_ms += draw_ms;
-    totals->end_ms += end_ms;
+    times.end_ms = ms_since(&mark);
+    if (frame.should_render) {
+        ap_renderer_gpu_ms(loop->renderer, &times.gpu_ms);
+        ap_replay_write_timing(loop->replay, loop->next, &times);
+    }
+    add_times(totals, &times);
     totals->stepped++;
     loop->next++;
     return st;
@@ -267,6 +281,7 @@ static enum ap_status open_loop(struct ap_error *err, struct loop *loop) {
     struct ap_renderer_params render = {.color_format = vk.color_format,
                                         .width = vk.width_px,
                                         .height = vk.height_px,
+                                        .now_ns = ap_clock_now_ns,
                                         .no_multiview = !vk.multiview};
     ap_room_renderer_params(&loop->replay->room, &render);
     return ap_renderer_create(err, &loop->gpu, loop->replay->room.scene, &render, &loop->renderer);

@@ -14,6 +14,10 @@ void ap_store_iso(const struct ap_iso *m, float columns[16]) {
 }
 
 void ap_store_point(struct ap_space space, struct ap_vec4 p, float out[4]) {
+    const struct ap_vec4 base = {0, 0, 0, space.rho_m};
+    double most = fabs(p.x) + fabs(p.y) + fabs(p.z) + fabs(p.w); // NaN where one is
+    if (!(most / space.rho_m < 1e36))
+        p = base;
     out[0] = (float)(p.x / space.rho_m);
     out[1] = (float)(p.y / space.rho_m);
     out[2] = (float)(p.z / space.rho_m);

@@ -67,6 +67,7 @@ void ap_frame_depth(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                     const struct ap_depth_range *range, struct ap_gpu_frame *frame);
 
 void ap_store_iso(const struct ap_iso *m, float columns[16]);
-void ap_store_point(struct ap_space space, struct ap_vec4 p, float out[4]); // over rho
+// Over rho; the base point for what float32 cannot hold: a lamp so far away gives no light anyway.
+void ap_store_point(struct ap_space space, struct ap_vec4 p, float out[4]);
 
 #endif

@@ -225,6 +225,10 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
     const struct ap_part *part = &params->scene->parts[index];
     double reach_m = part->kind == AP_PART_BALL ? part->radius_m : params->meshes->reach_m[index];
     struct ap_place place = ap_place_part(where, part, reach_m);
+    if (!ap_place_in_domain(&place)) {
+        list->stats.out_of_domain++;
+        return AP_OK;
+    }
     unsigned open_eyes = ~params->input->closed_eyes;
     double turn = 2 * PI * viewer->space.rho_m;
     enum ap_status st = AP_OK;

@@ -91,6 +91,15 @@ bool ap_needs_guard(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
     return viewer->space.kappa > 0 && place->far_m > PI * rho - fmax(eye, 0.3 * rho);
 }
 
+bool ap_place_in_domain(const struct ap_place *place) {
+    // 60 rho away in h3 entries are 6e25, and what is farther is culled.
+    static const double MOST = 1e36;
+    bool good = isfinite(place->near_m) && isfinite(place->far_m);
+    for (int i = 0; i < 16; i++)
+        good = good && fabs(place->nose_from_part.m[i / 4][i % 4]) < MOST;
+    return good;
+}
+
 bool ap_clear_of_eyes(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                       const struct ap_place *place) {
     double eye = eyes->reach_m + 2 * AP_NEAR_M;

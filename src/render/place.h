@@ -21,6 +21,9 @@ struct ap_place_params {
 struct ap_place ap_place_part(const struct ap_place_params *params, const struct ap_part *part,
                               double reach_m);
 
+// False: somewhere in it is no number, or one that float32 cannot hold the products of.
+bool ap_place_in_domain(const struct ap_place *place);
+
 // The coarsest mesh made ahead that is seen nowhere farther than max_error_px from the surface it
 // stands for (docs/rendering.md says by which bounds). False, *level the finest: none is, by these
 // bounds; ap_refine_part looks closer.

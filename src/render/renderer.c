@@ -40,6 +40,8 @@ struct ap_renderer {
     VkPipelineLayout layout;
     VkDescriptorPool descriptors;
     VkCommandPool pool;
+    VkQueryPool times; // two for each slot; none where the queue keeps no time
+    uint64_t time_mask;
     struct ap_pass pass[2]; // for one eye, for both; made when first needed
     struct ap_resolve resolve;
     struct slot slot[RING];
@@ -186,12 +188,44 @@ static enum ap_status create_slot(struct ap_error *err, struct ap_renderer *r, s
     return st == AP_OK ? fill_slot_set(err, r, slot) : st;
 }
 
+static enum ap_status create_times(struct ap_error *err, struct ap_renderer *r) {
+    VkQueueFamilyProperties families[16];
+    uint32_t count = 16;
+    vkGetPhysicalDeviceQueueFamilyProperties(r->gpu->physical_device, &count, families);
+    uint32_t bits =
+        r->gpu->queue_family < count ? families[r->gpu->queue_family].timestampValidBits : 0;
+    if (bits == 0)
+        return AP_OK;
+    r->time_mask = bits >= 64 ? UINT64_MAX : (UINT64_C(1) << bits) - 1;
+    VkQueryPoolCreateInfo info = {.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                  .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                  .queryCount = 2 * RING};
+    return ap_vk_check(err, vkCreateQueryPool(r->gpu->device, &info, NULL, &r->times),
+                       "vkCreateQueryPool");
+}
+
+bool ap_renderer_gpu_ms(const struct ap_renderer *r, double *ms) {
+    uint64_t t[4];
+    if (!r->times || r->frame == 0)
+        return false;
+    VkResult result = vkGetQueryPoolResults(
+        r->gpu->device, r->times, 2 * ((r->frame - 1) % RING), 2, sizeof t, t, 2 * sizeof *t,
+        VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WITH_AVAILABILITY_BIT);
+    if (result != VK_SUCCESS || t[1] == 0 || t[3] == 0)
+        return false;
+    *ms = (double)((t[2] - t[0]) & r->time_mask) *
+          (double)r->gpu->properties.limits.timestampPeriod * 1e-6;
+    return true;
+}
+
 static enum ap_status create_parts(struct ap_error *err, struct ap_renderer *r) {
     VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                     .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
                                     .queueFamilyIndex = r->gpu->queue_family};
     enum ap_status st = ap_vk_check(err, vkCreateCommandPool(r->gpu->device, &pool, NULL, &r->pool),
                                     "vkCreateCommandPool");
+    if (st == AP_OK)
+        st = create_times(err, r);
     if (st == AP_OK)
         st = create_layouts(err, r);
     struct ap_resolve_params resolve = {r->params.color_format, r->params.width, r->params.height,
@@ -286,6 +320,7 @@ void ap_renderer_destroy(struct ap_renderer *r) {
     vkDestroyPipelineLayout(device, r->layout, NULL);
     vkDestroyDescriptorSetLayout(device, r->set_layout, NULL);
     vkDestroyCommandPool(device, r->pool, NULL);
+    vkDestroyQueryPool(device, r->times, NULL);
     free(r);
 }
 
@@ -404,11 +439,18 @@ static enum ap_status record(struct ap_error *err, struct ap_renderer *r, unsign
     st = ap_vk_check(err, vkBeginCommandBuffer(slot->cmd, &begin), "vkBeginCommandBuffer");
     if (st != AP_OK)
         return st;
+    uint32_t times = 2 * (uint32_t)(slot - r->slot);
+    if (r->times) {
+        vkCmdResetQueryPool(slot->cmd, r->times, times, 2);
+        vkCmdWriteTimestamp(slot->cmd, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, r->times, times);
+    }
     for (int e = 0; e < 2; e++) {
         if (e == 0 || !both)
             record_pass(r, pass, slot, e, closed_eyes >> e & 1);
         ap_resolve_record(&r->resolve, slot->cmd, both, both ? e : 0, slot->framebuffer[e]);
     }
+    if (r->times)
+        vkCmdWriteTimestamp(slot->cmd, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, r->times, times + 1);
     return ap_vk_check(err, vkEndCommandBuffer(slot->cmd), "vkEndCommandBuffer");
 }
 
@@ -456,15 +498,9 @@ static enum ap_status hold_draws(struct ap_error *err, const struct ap_renderer 
     return AP_OK;
 }
 
-enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
-                                const struct ap_frame_input *input, const struct ap_target *target,
-                                struct ap_frame_stats *stats) {
-    struct slot *slot = &r->slot[r->frame % RING];
-    enum ap_status st = wait_for(err, r, slot);
-    if (st != AP_OK)
-        return st;
-    release_targets(r->gpu, slot);
-
+// What is drawn in this frame, into the slot's buffers.
+static enum ap_status place(struct ap_error *err, struct ap_renderer *r,
+                            const struct ap_frame_input *input, struct slot *slot) {
     const struct ap_viewer *viewer = &input->viewer;
     struct ap_eyes eyes = ap_eyes_of(viewer, r->params.width, r->params.height);
     const struct ap_list_params what = {.scene = r->scene,
@@ -475,7 +511,7 @@ enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
                                         .height_px = r->across * r->params.height,
                                         .max_error_px = r->max_error_px,
                                         .no_cull = r->params.no_cull};
-    st = ap_draw_list_fill(err, &what, &r->list);
+    enum ap_status st = ap_draw_list_fill(err, &what, &r->list);
     if (st == AP_OK)
         st = take_refined(err, r, slot);
     if (st == AP_OK && r->scene->honeycomb)
@@ -490,10 +526,30 @@ enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
     ap_frame_depth(viewer, &eyes, &r->list.range, &frame);
     memcpy(slot->frame.mapped, &frame, sizeof frame);
     ap_draw_list_write(r->scene, input, &eyes, &r->list, slot->draws.mapped, slot->marks.mapped);
+    return AP_OK;
+}
 
-    st = record(err, r, input->closed_eyes, target, slot);
+static int64_t now(const struct ap_renderer *r) {
+    return r->params.now_ns ? r->params.now_ns() : 0;
+}
+
+enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
+                                const struct ap_frame_input *input, const struct ap_target *target,
+                                struct ap_frame_stats *stats) {
+    struct slot *slot = &r->slot[r->frame % RING];
+    int64_t t0 = now(r);
+    enum ap_status st = wait_for(err, r, slot);
     if (st != AP_OK)
         return st;
+    release_targets(r->gpu, slot);
+    int64_t t1 = now(r);
+    st = place(err, r, input, slot);
+    int64_t t2 = now(r);
+    if (st == AP_OK)
+        st = record(err, r, input->closed_eyes, target, slot);
+    if (st != AP_OK)
+        return st;
+    int64_t t3 = now(r);
     VkSubmitInfo submit = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
                            .commandBufferCount = 1,
                            .pCommandBuffers = &slot->cmd};
@@ -502,7 +558,12 @@ enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
         return st;
     slot->busy = true;
     r->frame++;
-    if (stats)
-        *stats = r->list.stats;
+    if (!stats)
+        return AP_OK;
+    *stats = r->list.stats;
+    stats->wait_ms = (double)(t1 - t0) * 1e-6;
+    stats->place_ms = (double)(t2 - t1) * 1e-6;
+    stats->record_ms = (double)(t3 - t2) * 1e-6;
+    stats->submit_ms = (double)(now(r) - t3) * 1e-6;
     return AP_OK;
 }

@@ -28,6 +28,7 @@ struct ap_renderer_params {
     bool no_multiview;          // one pass for each eye; what a software device gets anyway, unless
     bool multiview_in_software; // …the test that proves the two ways equal asks for it
     bool no_cull;               // draw what no eye can see too: for a test likewise
+    int64_t (*now_ns)(void);    // a clock for the times in ap_frame_stats; NULL: they are 0
 };
 
 // Borrows gpu and scene, which must outlive the renderer; the parts' places, colours, `hidden`
@@ -60,8 +61,12 @@ struct ap_eye_stats {
 struct ap_frame_stats {
     struct ap_eye_stats eye[2];
     uint32_t refined; // parts·images whose triangles were made for this frame (src/render/refine.h)
-    uint32_t beyond_bound; // parts·images that even the finest triangles show farther off than
-                           // max_error_px
+    uint32_t beyond_bound;  // parts·images that even the finest triangles show farther off than
+                            // max_error_px
+    uint32_t out_of_domain; // parts whose place is no number, or beyond float's range: not drawn
+    // Milliseconds of the calling thread: waiting for the frame before the last, placing, culling
+    // and refining, recording, submitting.
+    double wait_ms, place_ms, record_ms, submit_ms;
     struct ap_portal_stats cells; // of a scene of cells
 };
 
@@ -76,5 +81,8 @@ struct ap_target {
 enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *renderer,
                                 const struct ap_frame_input *input, const struct ap_target *target,
                                 struct ap_frame_stats *stats);
+
+// How long the GPU took for the newest frame. False: it is not done, or the device cannot tell.
+bool ap_renderer_gpu_ms(const struct ap_renderer *renderer, double *ms);
 
 #endif

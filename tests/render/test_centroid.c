@@ -10,7 +10,7 @@
 #include "src/view/silhouette.h"
 #include "tests/render/stage.h"
 
-enum { WIDTH = 520, HEIGHT = 480, BALLS = 8, FRAMES_EACH = 12 };
+enum { WIDTH = 520, HEIGHT = 480, BALLS = 8, FRAMES_EACH = 6 };
 static const double TOLERANCE_PX = 0.006;
 
 static int image; // 1: s3's long way round
