@@ -45,6 +45,10 @@ struct work {
     enum ap_status st;
 };
 
+static double length(struct ap_vec3 v) {
+    return sqrt(ap_vec3_dot(v, v));
+}
+
 void ap_refiner_finish(struct ap_refiner *r) {
     free(r->nodes);
     free(r->edges);
@@ -105,7 +109,8 @@ static bool rehash(struct work *w) {
 }
 
 static double chord(struct ap_vec4 p, struct ap_vec4 q) {
-    return hypot(hypot(p.x - q.x, p.y - q.y), hypot(p.z - q.z, p.w - q.w));
+    double x = p.x - q.x, y = p.y - q.y, z = p.z - q.z, w = p.w - q.w;
+    return sqrt(x * x + y * y + z * z + w * w);
 }
 
 // Whether something of the edge may be outside the forbidden millimetre: there alone it matters.
@@ -115,9 +120,9 @@ static bool matters(const struct work *w, const struct ap_surface_point *a,
     double rho = w->surface.space.rho_m;
     for (int i = 0; i < 3; i++)
         for (int e = 0; e < 2; e++) {
-            double d = ap_vec3_length(points[i]->seen[e]);
+            double d = length(points[i]->seen[e]);
             bool antipode = w->surface.mode != AP_VIEW_TOURIST && w->surface.space.kappa > 0 &&
-                            fabs(ap_vec3_length(points[i]->tangent_m) - PI * rho) < AP_NEAR_M;
+                            fabs(length(points[i]->tangent_m) - PI * rho) < AP_NEAR_M;
             if (d >= AP_NEAR_M && !antipode)
                 return true;
         }
@@ -133,14 +138,14 @@ static bool too_long(const struct work *w, const struct ap_surface_point *a,
         return false;
     // Near an antipode the surface may bulge straight away from both eyes without end.
     struct ap_vec3 straight = ap_vec3_scale(0.5, ap_vec3_add(a->tangent_m, b->tangent_m));
-    if ((born || s->space.kappa > 0) && ap_vec3_length(ap_vec3_sub(m->tangent_m, straight)) >
-                                            DEPTH_SHARE * ap_vec3_length(m->tangent_m))
+    if ((born || s->space.kappa > 0) &&
+        length(ap_vec3_sub(m->tangent_m, straight)) > DEPTH_SHARE * length(m->tangent_m))
         return true;
     for (int e = 0; e < 2; e++) {
         struct ap_vec3 p = born ? a->tangent_m : a->seen[e], q = born ? b->tangent_m : b->seen[e],
                        r = born ? m->tangent_m : m->seen[e];
-        double l = ap_vec3_length(ap_vec3_sub(p, q));
-        double d = fmin(fmin(ap_vec3_length(p), ap_vec3_length(q)), ap_vec3_length(r));
+        double l = length(ap_vec3_sub(p, q));
+        double d = fmin(fmin(length(p), length(q)), length(r));
         if (l > d && l > AP_NEAR_M)
             return true;
     }
@@ -204,8 +209,7 @@ static bool out_of_sight(const struct work *w, const struct triangle *t) {
         p[i] = &w->r->nodes[t->corner[i]].point;
     double longest = 0;
     for (int i = 0; i < 3; i++)
-        longest =
-            fmax(longest, ap_vec3_length(ap_vec3_sub(p[i]->tangent_m, p[(i + 1) % 3]->tangent_m)));
+        longest = fmax(longest, length(ap_vec3_sub(p[i]->tangent_m, p[(i + 1) % 3]->tangent_m)));
     if (longest > w->surface.space.rho_m / 2)
         return false;
     for (int e = 0; e < 2; e++) {
@@ -237,11 +241,11 @@ static bool turned_away(const struct work *w, const struct triangle *t) {
     for (int i = 0; i < 3; i++)
         p[i] = &w->r->nodes[t->corner[i]].point;
     for (int i = 0; i < 3; i++)
-        span = fmax(span, ap_vec3_length(ap_vec3_sub(p[i]->from, p[(i + 1) % 3]->from)));
+        span = fmax(span, length(ap_vec3_sub(p[i]->from, p[(i + 1) % 3]->from)));
     for (int e = 0; e < 2; e++) {
         struct ap_vec3 a = p[0]->seen[e], b = p[1]->seen[e], c = p[2]->seen[e];
         struct ap_vec3 n = ap_vec3_cross(ap_vec3_sub(b, a), ap_vec3_sub(c, a));
-        if (!(ap_vec3_dot(n, a) > (0.2 + span) * ap_vec3_length(n) * ap_vec3_length(a)))
+        if (!(ap_vec3_dot(n, a) > (0.2 + span) * length(n) * length(a)))
             return false;
     }
     return true;

@@ -2,6 +2,16 @@
 
 #include <math.h>
 
+// hypot would take half of all the time here, for lengths that do not occur.
+static double length(struct ap_vec3 v) {
+    return sqrt(ap_vec3_dot(v, v));
+}
+
+static struct ap_vec3 unit(struct ap_vec3 v) {
+    double n = length(v);
+    return n > 0 ? ap_vec3_scale(1 / n, v) : v;
+}
+
 struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                                 const struct ap_part *part, struct ap_iso nose_from_part,
                                 int image) {
@@ -84,7 +94,7 @@ struct ap_surface_point ap_surface_middle(const struct ap_surface *s,
     struct ap_surface_point m = {0};
     if (s->part->kind != AP_PART_POLYGON) {
         m.along = (a->along + b->along) / 2;
-        m.from = ap_vec3_normalize(ap_vec3_add(a->from, b->from));
+        m.from = unit(ap_vec3_add(a->from, b->from));
     } else {
         struct ap_vec4 p = {a->p.x + b->p.x, 0, a->p.z + b->p.z, a->p.w + b->p.w};
         double r2 = p.x * p.x + p.z * p.z;
@@ -100,12 +110,12 @@ struct ap_surface_point ap_surface_middle(const struct ap_surface *s,
 // The direction m against the nearest of those of the straight line from a to b; radians, as
 // chords.
 static double off_line(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 m) {
-    struct ap_vec3 p = ap_vec3_normalize(a), q = ap_vec3_normalize(b), u = ap_vec3_normalize(m);
+    struct ap_vec3 p = unit(a), q = unit(b), u = unit(m);
     struct ap_vec3 along = ap_vec3_sub(q, p);
     double square = ap_vec3_dot(along, along);
     double t = square > 0 ? ap_vec3_dot(ap_vec3_sub(u, p), along) / square : 0;
     struct ap_vec3 c = ap_vec3_add(p, ap_vec3_scale(fmin(fmax(t, 0), 1), along));
-    return ap_vec3_length(ap_vec3_sub(u, ap_vec3_normalize(c)));
+    return length(ap_vec3_sub(u, unit(c)));
 }
 
 // The point of the straight edge that the nose sees in m's direction: that is what a geodesic's
@@ -140,8 +150,8 @@ double ap_surface_error_px(const struct ap_surface *s, const struct ap_eyes *eye
         double angle;
         if (sheet) {
             struct ap_vec3 c = ap_pose_apply(s->eye_from_view[e], flat), t = m->seen[e];
-            double off = ap_vec3_length(ap_vec3_sub(c, t)), d = ap_vec3_length(t);
-            angle = atan2(ap_vec3_length(ap_vec3_cross(c, t)), ap_vec3_dot(c, t)) + off / d / 4;
+            double off = length(ap_vec3_sub(c, t)), d = length(t);
+            angle = atan2(length(ap_vec3_cross(c, t)), ap_vec3_dot(c, t)) + off / d / 4;
         } else {
             angle = off_line(a->seen[e], b->seen[e], m->seen[e]);
         }
