@@ -69,7 +69,7 @@ static struct ap_frame_stats check_frame(const struct ap_scene *scene,
                                           .eyes = &eyes,
                                           .width_px = 200,
                                           .height_px = 200,
-                                          .max_error_px = 0.25};
+                                          .max_error_px = 2};
     STAGE_CHECK(ap_draw_list_fill(&stage_error, &params, list));
     struct ap_gpu_draw *draws = calloc(list->count + 1, sizeof *draws);
     struct ap_gpu_mark *marks = calloc(8 * PARTS * PARTS, sizeof *marks);
@@ -143,7 +143,7 @@ static void a_lost_head_is_counted(void **state) {
                                           .eyes = &eyes,
                                           .width_px = 200,
                                           .height_px = 200,
-                                          .max_error_px = 0.25};
+                                          .max_error_px = 2};
     STAGE_CHECK(ap_draw_list_fill(&stage_error, &params, &list));
     assert_int_equal(list.count, 0);
     assert_int_equal(list.stats.out_of_domain, PARTS);
