@@ -72,7 +72,7 @@ static struct ap_frame_stats check_frame(const struct ap_scene *scene,
                                           .max_error_px = 2};
     STAGE_CHECK(ap_draw_list_fill(&stage_error, &params, list));
     struct ap_gpu_draw *draws = calloc(list->count + 1, sizeof *draws);
-    struct ap_gpu_mark *marks = calloc(8 * PARTS * PARTS, sizeof *marks);
+    struct ap_gpu_marks *marks = calloc(1, sizeof *marks);
     struct ap_gpu_frame frame = ap_frame_of(&input->viewer);
     ap_frame_depth(&input->viewer, &eyes, &list->range, &frame);
     ap_draw_list_write(scene, input, &eyes, list, draws, marks);
