@@ -98,15 +98,22 @@ static bool is_hand(const struct ap_part *part) {
     return part->carrier == AP_CARRIER_LEFT || part->carrier == AP_CARRIER_RIGHT;
 }
 
-static struct ap_iso place_of(const struct frame *f, const struct ap_seen_cell *cell,
-                              const struct ap_part *part) {
-    struct ap_iso nose_from_carrier = cell->nose_from_cell;
+// Where a part is, and the cell's lamp as seen from it.
+static void place_item(const struct frame *f, const struct ap_seen_cell *cell,
+                       const struct ap_part *part, struct ap_draw_item *item) {
+    struct ap_iso cell_from_part = part->carrier_from_part;
     if (is_hand(part))
-        nose_from_carrier =
-            ap_iso_mul(nose_from_carrier, f->cell_from_hand[part->carrier == AP_CARRIER_RIGHT]);
-    struct ap_iso m = ap_iso_mul(nose_from_carrier, part->carrier_from_part);
+        cell_from_part =
+            ap_iso_mul(f->cell_from_hand[part->carrier == AP_CARRIER_RIGHT], cell_from_part);
+    struct ap_iso part_from_cell = ap_iso_inverse(f->viewer->space, cell_from_part);
+    item->nose_from_part = ap_iso_mul(cell->nose_from_cell, cell_from_part);
+    item->lamp_in_cell = true;
+    item->lamp = ap_iso_apply(&part_from_cell, f->scene->honeycomb->lamp);
     bool symmetric = part->one_sided || part->kind != AP_PART_SOLID;
-    return cell->reverses && symmetric ? unmirrored(m) : m;
+    if (!cell->reverses || !symmetric)
+        return;
+    item->nose_from_part = unmirrored(item->nose_from_part);
+    item->lamp.x = -item->lamp.x;
 }
 
 // Hands are small, and many triangles: what of them is seen from this cell, 1 near by and 0 where
@@ -126,13 +133,12 @@ static void add(const struct frame *f, const struct ap_seen_cell *cell, size_t i
     struct ap_draw_item item = {.part = (uint32_t)index,
                                 .image = cell->image,
                                 .eyes = 3,
-                                .lamp_in_cell = true,
                                 .brightness = brightness(f, cell)};
     if (is_hand(part))
         item.brightness *= hand_brightness(f, cell, reach_m);
     if (item.brightness <= 0)
         return;
-    item.nose_from_part = place_of(f, cell, part);
+    place_item(f, cell, part, &item);
     struct ap_vec4 centre = {rho * item.nose_from_part.m[0][3], rho * item.nose_from_part.m[1][3],
                              rho * item.nose_from_part.m[2][3], rho * item.nose_from_part.m[3][3]};
     if (!f->no_cull && f->viewer->mode != AP_VIEW_BORN && cell->within != 3)
@@ -185,6 +191,17 @@ static void set_horizon(struct frame *f) {
     f->faint_m = fmin(f->faint_m, 0.9 * f->horizon_m);
 }
 
+// Depths are spread over all that there may be, so that leaving cells out changes no picture.
+static void note_ranges(const struct frame *f) {
+    double half = PI * f->viewer->space.rho_m;
+    bool s3 = f->viewer->space.kappa > 0;
+    for (int image = 0; image < 2; image++) {
+        double *near_m = &f->list->range.near_m[image], *far_m = &f->list->range.far_m[image];
+        *near_m = fmin(*near_m, s3 ? image * half : 0);
+        *far_m = fmax(*far_m, s3 ? (image + 1) * half : 2 * f->horizon_m);
+    }
+}
+
 static void tell_budget(struct ap_cell_view *view, const struct ap_portal_stats *s) {
     if (s->budget == 0 || view->warned)
         return;
@@ -220,6 +237,7 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
     if (st)
         return st;
     tell_budget(view, &stats);
+    note_ranges(&f);
     list->stats.cells = stats;
     st = ap_draw_list_reserve(err, 2 * view->part_count * view->portal.count, list);
     for (size_t i = 0; !st && i < view->portal.count; i++) {

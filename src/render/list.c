@@ -330,11 +330,8 @@ static void write_item(const struct ap_scene *scene, const struct ap_frame_input
     }
     struct ap_iso part_from_nose = ap_iso_inverse(space, item->nose_from_part);
     struct ap_vec4 nose = {0, 0, 0, space.rho_m};
-    struct ap_vec4 lamp = ap_iso_apply(&part_from_nose, lamp_nose);
-    if (item->lamp_in_cell) {
-        struct ap_iso part_from_cell = ap_iso_inverse(space, part->carrier_from_part);
-        lamp = ap_iso_apply(&part_from_cell, scene->honeycomb->lamp);
-    }
+    struct ap_vec4 lamp =
+        item->lamp_in_cell ? item->lamp : ap_iso_apply(&part_from_nose, lamp_nose);
     ap_store_point(space, lamp, draw->lamp);
     ap_store_point(space, ap_iso_apply(&part_from_nose, nose), draw->nose);
     for (int i = 0; i < 3; i++) {

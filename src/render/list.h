@@ -17,8 +17,9 @@ struct ap_draw_item {
     struct ap_mesh mesh;
     double far_m; // discs: their order
     struct ap_iso nose_from_part;
-    bool lamp_in_cell; // lit by its cell's lamp, not the scene's
-    float brightness;  // of cells: how far from the background's colour to its own; else 1
+    bool lamp_in_cell; // lit by its cell's lamp, which is at lamp (in the part), not the scene's
+    struct ap_vec4 lamp;
+    float brightness; // of cells: how far from the background's colour to its own; else 1
 };
 
 struct ap_draw_list {

@@ -185,8 +185,9 @@ enum ap_status ap_furnish_honeycomb(struct ap_error *err, const struct ap_json_a
     if (st)
         return st;
     double inradius = h->tiling.inradius_m;
-    h->lamp =
-        ap_exp(build->scene->space, ap_vec3_scale(0.5 * inradius, (struct ap_vec3){0.3, 0.8, 0.4}));
+    // Where frames depend on the way, only the centre looks the same in all of them.
+    struct ap_vec3 lamp = {0.15 * inradius, 0.4 * inradius, 0.2 * inradius};
+    h->lamp = ap_exp(build->scene->space, ap_vec3_scale(h->pairing.loose ? 0 : 1, lamp));
     if (plan->look.walls)
         add_walls(build, h, plan->look.width);
     if (plan->look.struts)
