@@ -6,7 +6,7 @@ DESTDIR="$work/root" meson install -C "$ANTIPODE_BUILD" --no-rebuild >"$work/log
 	fail "meson install: $(tail -n 3 "$work/log")"
 prefix=$(find "$work/root" -type d -path '*/bin' | head -n 1)
 prefix=${prefix%/bin}
-for f in bin/antipode share/openxr/1/openxr_antipode.json share/man/man1/antipode.1 \
+for f in bin/antipode lib/udev/rules.d/70-antipode.rules share/openxr/1/openxr_antipode.json share/man/man1/antipode.1 \
 	include/antipode/geom/map.h share/antipode/headsets/ci.json \
 	share/bash-completion/completions/antipode; do
 	[ -e "$prefix/$f" ] || fail "$f is not installed"
