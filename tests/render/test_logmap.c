@@ -55,7 +55,7 @@ static void fill(struct samples *s, int kappa, int image) {
         if (i % 3 == 0) // even
             t = u * (kappa > 0 ? pi : 80);
         else if (i % 3 == 1) // close to the nose
-            t = exp(log(1e-6) + u * (log(2) - log(1e-6)));
+            t = exp(log(1e-8) + u * (log(2) - log(1e-8)));
         else // close to the antipode, or far
             t = kappa > 0 ? pi - exp(log(1e-5) + u * (log(2) - log(1e-5))) : u * 5;
         struct ap_vec3 dir = ap_vec3_normalize((struct ap_vec3){v[0], v[1], v[2]});
