@@ -35,67 +35,8 @@ struct entry {
     enum when when;
 };
 
-#define ENTRY(name, when)                                                                          \
-    { #name, (PFN_xrVoidFunction)name, when }
-
-static const struct entry entries[] = {
-    ENTRY(xrGetInstanceProcAddr, INSTANCE),
-    ENTRY(xrEnumerateApiLayerProperties, ALWAYS),
-    ENTRY(xrEnumerateInstanceExtensionProperties, ALWAYS),
-    ENTRY(xrCreateInstance, ALWAYS),
-    ENTRY(xrDestroyInstance, INSTANCE),
-    ENTRY(xrGetInstanceProperties, INSTANCE),
-    ENTRY(xrPollEvent, INSTANCE),
-    ENTRY(xrResultToString, INSTANCE),
-    ENTRY(xrStructureTypeToString, INSTANCE),
-    ENTRY(xrGetSystem, INSTANCE),
-    ENTRY(xrGetSystemProperties, INSTANCE),
-    ENTRY(xrEnumerateEnvironmentBlendModes, INSTANCE),
-    ENTRY(xrCreateSession, INSTANCE),
-    ENTRY(xrDestroySession, INSTANCE),
-    ENTRY(xrEnumerateReferenceSpaces, INSTANCE),
-    ENTRY(xrCreateReferenceSpace, INSTANCE),
-    ENTRY(xrGetReferenceSpaceBoundsRect, INSTANCE),
-    ENTRY(xrCreateActionSpace, INSTANCE),
-    ENTRY(xrLocateSpace, INSTANCE),
-    ENTRY(xrDestroySpace, INSTANCE),
-    ENTRY(xrEnumerateViewConfigurations, INSTANCE),
-    ENTRY(xrGetViewConfigurationProperties, INSTANCE),
-    ENTRY(xrEnumerateViewConfigurationViews, INSTANCE),
-    ENTRY(xrEnumerateSwapchainFormats, INSTANCE),
-    ENTRY(xrCreateSwapchain, INSTANCE),
-    ENTRY(xrDestroySwapchain, INSTANCE),
-    ENTRY(xrEnumerateSwapchainImages, INSTANCE),
-    ENTRY(xrAcquireSwapchainImage, INSTANCE),
-    ENTRY(xrWaitSwapchainImage, INSTANCE),
-    ENTRY(xrReleaseSwapchainImage, INSTANCE),
-    ENTRY(xrBeginSession, INSTANCE),
-    ENTRY(xrEndSession, INSTANCE),
-    ENTRY(xrRequestExitSession, INSTANCE),
-    ENTRY(xrWaitFrame, INSTANCE),
-    ENTRY(xrBeginFrame, INSTANCE),
-    ENTRY(xrEndFrame, INSTANCE),
-    ENTRY(xrLocateViews, INSTANCE),
-    ENTRY(xrStringToPath, INSTANCE),
-    ENTRY(xrPathToString, INSTANCE),
-    ENTRY(xrCreateActionSet, INSTANCE),
-    ENTRY(xrDestroyActionSet, INSTANCE),
-    ENTRY(xrCreateAction, INSTANCE),
-    ENTRY(xrDestroyAction, INSTANCE),
-    ENTRY(xrSuggestInteractionProfileBindings, INSTANCE),
-    ENTRY(xrAttachSessionActionSets, INSTANCE),
-    ENTRY(xrGetCurrentInteractionProfile, INSTANCE),
-    ENTRY(xrGetActionStateBoolean, INSTANCE),
-    ENTRY(xrGetActionStateFloat, INSTANCE),
-    ENTRY(xrGetActionStateVector2f, INSTANCE),
-    ENTRY(xrGetActionStatePose, INSTANCE),
-    ENTRY(xrSyncActions, INSTANCE),
-    ENTRY(xrEnumerateBoundSourcesForAction, INSTANCE),
-    ENTRY(xrGetInputSourceLocalizedName, INSTANCE),
-    ENTRY(xrApplyHapticFeedback, INSTANCE),
-    ENTRY(xrStopHapticFeedback, INSTANCE),
-    ENTRY(xrLocateSpaces, VERSION_1_1),
-};
+#define ENTRY(name, when) {#name, (PFN_xrVoidFunction)name, when},
+static const struct entry entries[] = {SIM_CORE_FUNCTIONS(ENTRY)};
 
 static bool may_ask(const struct sim_instance *instance, enum when when) {
     return when == ALWAYS || (instance && (when == INSTANCE || instance->minor >= 1));
@@ -113,7 +54,10 @@ XrResult XRAPI_CALL xrGetInstanceProcAddr(XrInstance handle, const char *name,
                                           PFN_xrVoidFunction *function) {
     SIM_LOCKED;
     if (!name || !function)
-        return XR_ERROR_VALIDATION_FAILURE;
+        return sim_strict(XR_ERROR_VALIDATION_FAILURE, "xrGetInstanceProcAddr",
+                          name ? "VUID-xrGetInstanceProcAddr-function-parameter"
+                               : "VUID-xrGetInstanceProcAddr-name-parameter",
+                          "%s is NULL", name ? "function" : "name");
     *function = NULL;
     const struct sim_instance *instance = sim_instance_get(handle);
     if (handle && !instance)

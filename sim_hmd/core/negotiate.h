@@ -29,6 +29,65 @@ struct sim_runtime_request {
     PFN_xrGetInstanceProcAddr getInstanceProcAddr;
 };
 
+// The core functions, and when they may be asked for. Those of extensions: ext/extensions.h.
+#define SIM_CORE_FUNCTIONS(X)                                                                      \
+    X(xrGetInstanceProcAddr, INSTANCE)                                                             \
+    X(xrEnumerateApiLayerProperties, ALWAYS)                                                       \
+    X(xrEnumerateInstanceExtensionProperties, ALWAYS)                                              \
+    X(xrCreateInstance, ALWAYS)                                                                    \
+    X(xrDestroyInstance, INSTANCE)                                                                 \
+    X(xrGetInstanceProperties, INSTANCE)                                                           \
+    X(xrPollEvent, INSTANCE)                                                                       \
+    X(xrResultToString, INSTANCE)                                                                  \
+    X(xrStructureTypeToString, INSTANCE)                                                           \
+    X(xrGetSystem, INSTANCE)                                                                       \
+    X(xrGetSystemProperties, INSTANCE)                                                             \
+    X(xrEnumerateEnvironmentBlendModes, INSTANCE)                                                  \
+    X(xrCreateSession, INSTANCE)                                                                   \
+    X(xrDestroySession, INSTANCE)                                                                  \
+    X(xrEnumerateReferenceSpaces, INSTANCE)                                                        \
+    X(xrCreateReferenceSpace, INSTANCE)                                                            \
+    X(xrGetReferenceSpaceBoundsRect, INSTANCE)                                                     \
+    X(xrCreateActionSpace, INSTANCE)                                                               \
+    X(xrLocateSpace, INSTANCE)                                                                     \
+    X(xrDestroySpace, INSTANCE)                                                                    \
+    X(xrEnumerateViewConfigurations, INSTANCE)                                                     \
+    X(xrGetViewConfigurationProperties, INSTANCE)                                                  \
+    X(xrEnumerateViewConfigurationViews, INSTANCE)                                                 \
+    X(xrEnumerateSwapchainFormats, INSTANCE)                                                       \
+    X(xrCreateSwapchain, INSTANCE)                                                                 \
+    X(xrDestroySwapchain, INSTANCE)                                                                \
+    X(xrEnumerateSwapchainImages, INSTANCE)                                                        \
+    X(xrAcquireSwapchainImage, INSTANCE)                                                           \
+    X(xrWaitSwapchainImage, INSTANCE)                                                              \
+    X(xrReleaseSwapchainImage, INSTANCE)                                                           \
+    X(xrBeginSession, INSTANCE)                                                                    \
+    X(xrEndSession, INSTANCE)                                                                      \
+    X(xrRequestExitSession, INSTANCE)                                                              \
+    X(xrWaitFrame, INSTANCE)                                                                       \
+    X(xrBeginFrame, INSTANCE)                                                                      \
+    X(xrEndFrame, INSTANCE)                                                                        \
+    X(xrLocateViews, INSTANCE)                                                                     \
+    X(xrStringToPath, INSTANCE)                                                                    \
+    X(xrPathToString, INSTANCE)                                                                    \
+    X(xrCreateActionSet, INSTANCE)                                                                 \
+    X(xrDestroyActionSet, INSTANCE)                                                                \
+    X(xrCreateAction, INSTANCE)                                                                    \
+    X(xrDestroyAction, INSTANCE)                                                                   \
+    X(xrSuggestInteractionProfileBindings, INSTANCE)                                               \
+    X(xrAttachSessionActionSets, INSTANCE)                                                         \
+    X(xrGetCurrentInteractionProfile, INSTANCE)                                                    \
+    X(xrGetActionStateBoolean, INSTANCE)                                                           \
+    X(xrGetActionStateFloat, INSTANCE)                                                             \
+    X(xrGetActionStateVector2f, INSTANCE)                                                          \
+    X(xrGetActionStatePose, INSTANCE)                                                              \
+    X(xrSyncActions, INSTANCE)                                                                     \
+    X(xrEnumerateBoundSourcesForAction, INSTANCE)                                                  \
+    X(xrGetInputSourceLocalizedName, INSTANCE)                                                     \
+    X(xrApplyHapticFeedback, INSTANCE)                                                             \
+    X(xrStopHapticFeedback, INSTANCE)                                                              \
+    X(xrLocateSpaces, VERSION_1_1)
+
 // The library's only exported symbol.
 __attribute__((visibility("default"))) XrResult XRAPI_CALL xrNegotiateLoaderRuntimeInterface(
     const struct sim_loader_info *loader, struct sim_runtime_request *request);

@@ -76,6 +76,9 @@ enum sim_param_kind {
     PARAM_CAPACITY,
     PARAM_ARRAY, // may be NULL where the capacity is zero
     PARAM_ENUM,
+    PARAM_PATH,
+    PARAM_FLOATS, // by value; the call has its address
+    PARAM_POSE,   // likewise
 };
 
 struct sim_param {
@@ -83,6 +86,7 @@ struct sim_param {
     enum sim_param_kind kind;
     bool optional;
     enum sim_type object; // 0: not looked at
+    size_t size;          // of floats
     const struct sim_values *values;
     const struct sim_spec *spec;
 };
@@ -96,7 +100,8 @@ struct sim_strict_function {
     PFN_xrVoidFunction real; // set once, before anybody has the wrapper
 };
 
-// One call under way: the arguments as numbers, and what was found in it.
+// One call under way: the arguments as numbers (of those that are none their addresses), and what
+// was found in it.
 struct sim_strict_call {
     struct sim_strict_function *function;
     uint64_t v[SIM_MAX_PARAMS];

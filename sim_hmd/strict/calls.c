@@ -10,26 +10,32 @@
 static void before(struct sim_strict_call *call);
 static XrResult after(struct sim_strict_call *call, XrResult result);
 
-// A parameter is (its type, its description).
-#define TYPE(type, ...) type
-#define DESCRIPTION(type, ...) __VA_ARGS__
+// A parameter is (its type, how it becomes a number, its description).
+#define TYPE(type, number, ...) type
+#define NUMBER(type, number, ...) number
+#define DESCRIPTION(type, number, ...) __VA_ARGS__
+#define ITSELF(v) (uint64_t)(uintptr_t)(v)
+#define ADDRESS(v) (uint64_t)(uintptr_t) & (v) // what is no number is looked at where it lies
 #define PARAM(n, k, ...)                                                                           \
     { .name = #n, .kind = PARAM_##k, __VA_ARGS__ }
-#define HANDLE(T, n) (T, PARAM(n, HANDLE, .object = OBJECT_##T))
-#define OTHER_HANDLE(T, n) (T, PARAM(n, VALUE, 0))
-#define VALUE(T, n) (T, PARAM(n, VALUE, 0))
-#define ENUM(T, n) (T, PARAM(n, ENUM, .values = &sim_values_##T))
-#define IN(T, n) (const T *, PARAM(n, IN, .spec = &sim_spec_##T))
-#define OPTIONAL_IN(T, n) (const T *, PARAM(n, IN, .optional = true, .spec = &sim_spec_##T))
-#define OUT(T, n) (T *, PARAM(n, OUT, .spec = &sim_spec_##T))
-#define OUT_ARRAY(T, n) (T *, PARAM(n, OUT_ARRAY, .spec = &sim_spec_##T))
-#define POINTER(T, n) (T *, PARAM(n, POINTER, 0))
-#define STRING(n) (const char *, PARAM(n, STRING, 0))
-#define OPTIONAL_STRING(n) (const char *, PARAM(n, STRING, .optional = true))
-#define BUFFER(n) (char *, PARAM(n, POINTER, 0))
-#define CAPACITY(n) (uint32_t, PARAM(n, CAPACITY, 0))
-#define COUNT(n) (uint32_t *, PARAM(n, POINTER, 0))
-#define ARRAY(T, n) (T *, PARAM(n, ARRAY, 0))
+#define HANDLE(T, n) (T, ITSELF, PARAM(n, HANDLE, .object = OBJECT_##T))
+#define OTHER_HANDLE(T, n) (T, ITSELF, PARAM(n, VALUE, 0))
+#define VALUE(T, n) (T, ITSELF, PARAM(n, VALUE, 0))
+#define PATH(n) (XrPath, ITSELF, PARAM(n, PATH, 0))
+#define FLOATS(T, n) (T, ADDRESS, PARAM(n, FLOATS, .size = sizeof(T)))
+#define POSE(n) (XrPosef, ADDRESS, PARAM(n, POSE, .size = sizeof(XrPosef)))
+#define ENUM(T, n) (T, ITSELF, PARAM(n, ENUM, .values = &sim_values_##T))
+#define IN(T, n) (const T *, ITSELF, PARAM(n, IN, .spec = &sim_spec_##T))
+#define OPTIONAL_IN(T, n) (const T *, ITSELF, PARAM(n, IN, .optional = true, .spec = &sim_spec_##T))
+#define OUT(T, n) (T *, ITSELF, PARAM(n, OUT, .spec = &sim_spec_##T))
+#define OUT_ARRAY(T, n) (T *, ITSELF, PARAM(n, OUT_ARRAY, .spec = &sim_spec_##T))
+#define POINTER(T, n) (T *, ITSELF, PARAM(n, POINTER, 0))
+#define STRING(n) (const char *, ITSELF, PARAM(n, STRING, 0))
+#define OPTIONAL_STRING(n) (const char *, ITSELF, PARAM(n, STRING, .optional = true))
+#define BUFFER(n) (char *, ITSELF, PARAM(n, POINTER, 0))
+#define CAPACITY(n) (uint32_t, ITSELF, PARAM(n, CAPACITY, 0))
+#define COUNT(n) (uint32_t *, ITSELF, PARAM(n, POINTER, 0))
+#define ARRAY(T, n) (T *, ITSELF, PARAM(n, ARRAY, 0))
 #define OBJECT_XrInstance SIM_INSTANCE
 #define OBJECT_XrSession SIM_SESSION
 #define OBJECT_XrSpace SIM_SPACE
@@ -39,11 +45,11 @@ static XrResult after(struct sim_strict_call *call, XrResult result);
 
 #define T_(P) TYPE P
 #define D_(P) DESCRIPTION P
-#define N_(v) (uint64_t)(uintptr_t)(v)
+#define N_(P, v) NUMBER P(v)
 #define CALL1(f, A)                                                                                \
     static struct sim_strict_function call_##f = {.name = #f, .count = 1, .params = {D_(A)}};      \
     static XRAPI_ATTR XrResult XRAPI_CALL strict_##f(T_(A) a) {                                    \
-        struct sim_strict_call call = {.function = &call_##f, .v = {N_(a)}};                       \
+        struct sim_strict_call call = {.function = &call_##f, .v = {N_(A, a)}};                    \
         before(&call);                                                                             \
         return after(&call, ((PFN_##f)call_##f.real)(a));                                          \
     }
@@ -51,7 +57,7 @@ static XrResult after(struct sim_strict_call *call, XrResult result);
     static struct sim_strict_function call_##f = {                                                 \
         .name = #f, .count = 2, .params = {D_(A), D_(B)}};                                         \
     static XRAPI_ATTR XrResult XRAPI_CALL strict_##f(T_(A) a, T_(B) b) {                           \
-        struct sim_strict_call call = {.function = &call_##f, .v = {N_(a), N_(b)}};                \
+        struct sim_strict_call call = {.function = &call_##f, .v = {N_(A, a), N_(B, b)}};          \
         before(&call);                                                                             \
         return after(&call, ((PFN_##f)call_##f.real)(a, b));                                       \
     }
@@ -59,7 +65,8 @@ static XrResult after(struct sim_strict_call *call, XrResult result);
     static struct sim_strict_function call_##f = {                                                 \
         .name = #f, .count = 3, .params = {D_(A), D_(B), D_(C)}};                                  \
     static XRAPI_ATTR XrResult XRAPI_CALL strict_##f(T_(A) a, T_(B) b, T_(C) c) {                  \
-        struct sim_strict_call call = {.function = &call_##f, .v = {N_(a), N_(b), N_(c)}};         \
+        struct sim_strict_call call = {.function = &call_##f,                                      \
+                                       .v = {N_(A, a), N_(B, b), N_(C, c)}};                       \
         before(&call);                                                                             \
         return after(&call, ((PFN_##f)call_##f.real)(a, b, c));                                    \
     }
@@ -67,7 +74,8 @@ static XrResult after(struct sim_strict_call *call, XrResult result);
     static struct sim_strict_function call_##f = {                                                 \
         .name = #f, .count = 4, .params = {D_(A), D_(B), D_(C), D_(D)}};                           \
     static XRAPI_ATTR XrResult XRAPI_CALL strict_##f(T_(A) a, T_(B) b, T_(C) c, T_(D) d) {         \
-        struct sim_strict_call call = {.function = &call_##f, .v = {N_(a), N_(b), N_(c), N_(d)}};  \
+        struct sim_strict_call call = {.function = &call_##f,                                      \
+                                       .v = {N_(A, a), N_(B, b), N_(C, c), N_(D, d)}};             \
         before(&call);                                                                             \
         return after(&call, ((PFN_##f)call_##f.real)(a, b, c, d));                                 \
     }
@@ -77,7 +85,7 @@ static XrResult after(struct sim_strict_call *call, XrResult result);
     static XRAPI_ATTR XrResult XRAPI_CALL strict_##f(T_(A) a, T_(B) b, T_(C) c, T_(D) d,           \
                                                      T_(E) e) {                                    \
         struct sim_strict_call call = {.function = &call_##f,                                      \
-                                       .v = {N_(a), N_(b), N_(c), N_(d), N_(e)}};                  \
+                                       .v = {N_(A, a), N_(B, b), N_(C, c), N_(D, d), N_(E, e)}};   \
         before(&call);                                                                             \
         return after(&call, ((PFN_##f)call_##f.real)(a, b, c, d, e));                              \
     }
@@ -86,8 +94,9 @@ static XrResult after(struct sim_strict_call *call, XrResult result);
         .name = #f, .count = 6, .params = {D_(A), D_(B), D_(C), D_(D), D_(E), D_(F)}};             \
     static XRAPI_ATTR XrResult XRAPI_CALL strict_##f(T_(A) a, T_(B) b, T_(C) c, T_(D) d, T_(E) e,  \
                                                      T_(F) f) {                                    \
-        struct sim_strict_call call = {.function = &call_##f,                                      \
-                                       .v = {N_(a), N_(b), N_(c), N_(d), N_(e), N_(f)}};           \
+        struct sim_strict_call call = {                                                            \
+            .function = &call_##f,                                                                 \
+            .v = {N_(A, a), N_(B, b), N_(C, c), N_(D, d), N_(E, e), N_(F, f)}};                    \
         before(&call);                                                                             \
         return after(&call, ((PFN_##f)call_##f.real)(a, b, c, d, e, f));                           \
     }

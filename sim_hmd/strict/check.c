@@ -76,15 +76,15 @@ static bool path_known(const struct sim_strict_call *call, XrPath path, char *te
     return known;
 }
 
-static void check_path(struct sim_strict_call *call, const struct sim_spec *spec,
-                       const struct sim_member *m, XrPath path) {
+static void check_path(struct sim_strict_call *call, const char *owner, const char *name,
+                       XrPath path, bool optional) {
     char text[XR_MAX_PATH_LENGTH];
-    if ((path == XR_NULL_PATH && m->optional) || path_known(call, path, text, sizeof text))
+    if ((path == XR_NULL_PATH && optional) || path_known(call, path, text, sizeof text))
         return;
     char statement[STATEMENT];
     snprintf(statement, sizeof statement,
-             "XR_ERROR_PATH_INVALID: %s::%s is a path of xrStringToPath", spec->name, m->name);
-    sim_strict_found(call, SIM_ERROR, statement, "%s is %llu", m->name, (unsigned long long)path);
+             "XR_ERROR_PATH_INVALID: %s::%s is a path of xrStringToPath", owner, name);
+    sim_strict_found(call, SIM_ERROR, statement, "%s is %llu", name, (unsigned long long)path);
 }
 
 static void check_structure(struct sim_strict_call *call, const struct sim_spec *spec,
@@ -176,32 +176,31 @@ static void check_flags(struct sim_strict_call *call, const struct sim_spec *spe
         found(call, spec->name, m->name, "requiredbitmask", "%s is 0", m->name);
 }
 
-static void check_floats(struct sim_strict_call *call, const struct sim_spec *spec,
-                         const struct sim_member *m, const float *f, bool infinite_too) {
-    for (size_t i = 0; i < m->size / sizeof *f; i++)
+static void check_floats(struct sim_strict_call *call, const char *owner, const char *name,
+                         const float *f, size_t size, bool infinite_too) {
+    for (size_t i = 0; i < size / sizeof *f; i++)
         if (isnan(f[i]) || (infinite_too && isinf(f[i]))) {
             char statement[STATEMENT];
-            snprintf(statement, sizeof statement, "Floating point: %s::%s is finite", spec->name,
-                     m->name);
-            sim_strict_found(call, SIM_ERROR, statement, "number %zu of %s is %g", i, m->name,
+            snprintf(statement, sizeof statement, "Floating point: %s::%s is finite", owner, name);
+            sim_strict_found(call, SIM_ERROR, statement, "number %zu of %s is %g", i, name,
                              (double)f[i]);
             return;
         }
 }
 
-static void check_pose(struct sim_strict_call *call, const struct sim_spec *spec,
-                       const struct sim_member *m, const XrPosef *pose) {
-    check_floats(call, spec, m, &pose->orientation.x, true);
+static void check_pose(struct sim_strict_call *call, const char *owner, const char *name,
+                       const XrPosef *pose) {
+    check_floats(call, owner, name, &pose->orientation.x, sizeof *pose, true);
     XrQuaternionf q = pose->orientation;
     double n = sqrt((double)q.x * q.x + (double)q.y * q.y + (double)q.z * q.z + (double)q.w * q.w);
     char statement[STATEMENT];
     if (fabs(n - 1) > 0.01) {
         snprintf(statement, sizeof statement, "XR_ERROR_POSE_INVALID: %s::%s has a unit quaternion",
-                 spec->name, m->name);
+                 owner, name);
         sim_strict_found(call, SIM_ERROR, statement, "(%g, %g, %g, %g) is %g long", (double)q.x,
                          (double)q.y, (double)q.z, (double)q.w, n);
     } else if (fabs(n - 1) > 1e-4) {
-        snprintf(statement, sizeof statement, "USE-quaternion: %s::%s", spec->name, m->name);
+        snprintf(statement, sizeof statement, "USE-quaternion: %s::%s", owner, name);
         sim_strict_found(call, SIM_WARNING, statement,
                          "the quaternion is %g long; runtimes forgive 1 %%", n);
     }
@@ -256,7 +255,7 @@ static void check_element(struct sim_strict_call *call, const struct sim_spec *s
         check_layer(call, spec, m, ((const XrCompositionLayerBaseHeader *const *)array)[i]);
         break;
     case MEMBER_PATHS:
-        check_path(call, spec, m, ((const XrPath *)array)[i]);
+        check_path(call, spec->name, m->name, ((const XrPath *)array)[i], m->optional);
         break;
     case MEMBER_NAMES:
         if (!((const char *const *)array)[i])
@@ -314,16 +313,16 @@ static void check_member(struct sim_strict_call *call, const struct sim_spec *sp
             found(call, spec->name, m->name, "parameter", "%s is NULL", m->name);
         break;
     case MEMBER_FLOATS:
-        check_floats(call, spec, m, at, false);
+        check_floats(call, spec->name, m->name, at, m->size, false);
         break;
     case MEMBER_POSE:
-        check_pose(call, spec, m, at);
+        check_pose(call, spec->name, m->name, at);
         break;
     case MEMBER_FOV:
         check_fov(call, spec, m, at);
         break;
     case MEMBER_PATH:
-        check_path(call, spec, m, *(const XrPath *)at);
+        check_path(call, spec->name, m->name, *(const XrPath *)at, m->optional);
         break;
     case MEMBER_HANDLES:
     case MEMBER_STRUCTS:
@@ -383,6 +382,12 @@ static void check_param(struct sim_strict_call *call, const struct sim_param *p,
             check_handle(call, function, p->name, v, p->object, false);
     } else if (p->kind == PARAM_ENUM)
         check_enum(call, function, p->name, p->values, (int32_t)v);
+    else if (p->kind == PARAM_PATH)
+        check_path(call, function, p->name, v, p->optional);
+    else if (p->kind == PARAM_FLOATS)
+        check_floats(call, function, p->name, pointer, p->size, true);
+    else if (p->kind == PARAM_POSE)
+        check_pose(call, function, p->name, pointer);
     else if (p->kind == PARAM_IN)
         check_structure(call, p->spec, pointer);
     else if (p->kind == PARAM_OUT || p->kind == PARAM_OUT_ARRAY)

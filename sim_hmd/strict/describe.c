@@ -44,6 +44,12 @@ static int64_t number(const void *at, size_t size) {
     return size == 4 ? *(const int32_t *)at : *(const int8_t *)at;
 }
 
+static void put_pose(struct text *text, const XrPosef *p) {
+    put(text, "(%g %g %g %g; %g %g %g)", (double)p->orientation.x, (double)p->orientation.y,
+        (double)p->orientation.z, (double)p->orientation.w, (double)p->position.x,
+        (double)p->position.y, (double)p->position.z);
+}
+
 static void put_structure(struct text *text, const struct sim_strict_call *call,
                           const struct sim_spec *spec, const void *structure);
 
@@ -62,13 +68,9 @@ static void put_member(struct text *text, const struct sim_strict_call *call,
     case MEMBER_CHARS:
         put(text, "\"%.*s\"", (int)m->size - 1, (const char *)at);
         break;
-    case MEMBER_POSE: {
-        const XrPosef *p = at;
-        put(text, "(%g %g %g %g; %g %g %g)", (double)p->orientation.x, (double)p->orientation.y,
-            (double)p->orientation.z, (double)p->orientation.w, (double)p->position.x,
-            (double)p->position.y, (double)p->position.z);
+    case MEMBER_POSE:
+        put_pose(text, at);
         break;
-    }
     case MEMBER_STRUCT:
         put_structure(text, call, m->spec, at);
         break;
@@ -109,6 +111,13 @@ static void put_param(struct text *text, const struct sim_strict_call *call, int
         put_structure(text, call, p->spec, pointer);
     else if (p->kind == PARAM_STRING && pointer)
         put(text, "\"%.200s\"", (const char *)pointer);
+    else if (p->kind == PARAM_PATH)
+        put_path(text, call, call->v[i]);
+    else if (p->kind == PARAM_POSE)
+        put_pose(text, pointer);
+    else if (p->kind == PARAM_FLOATS)
+        for (size_t k = 0; k < p->size / sizeof(float); k++)
+            put(text, k ? " %g" : "%g", (double)((const float *)pointer)[k]);
     else if (p->kind == PARAM_HANDLE)
         put(text, "0x%llx", (unsigned long long)call->v[i]);
     else if (p->kind == PARAM_VALUE || p->kind == PARAM_CAPACITY || p->kind == PARAM_ENUM)

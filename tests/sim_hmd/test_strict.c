@@ -1,4 +1,4 @@
-#include "tests/sim_hmd/client.h"
+#include "tests/sim_hmd/report.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -11,99 +11,6 @@
 // The lint: a program that is wrong in as many ways as there are calls hears of each by its name,
 // and one that is right hears nothing. The functions are the runtime's own, past the loader, which
 // would catch some of it.
-
-// Finds a function of the runtime and calls it.
-#define RT(name) ((PFN_##name)(uintptr_t)client_proc(c->instance, #name))
-
-static char report_path[256];
-static long read_to;
-static int errors_seen, statements_seen;
-
-// What the report says since the last look.
-static char *news(void) {
-    static char text[1 << 16];
-    FILE *f = fopen(report_path, "r");
-    assert_non_null(f);
-    assert_int_equal(fseek(f, read_to, SEEK_SET), 0);
-    size_t n = fread(text, 1, sizeof text - 1, f);
-    text[n] = '\0';
-    read_to += (long)n;
-    fclose(f);
-    for (const char *at = text; (at = strstr(at, "{\"level\":\"error\"")); at++)
-        errors_seen++;
-    return text;
-}
-
-static bool line_says(const char *text, const char *function, const char *statement) {
-    char f[128], s[256];
-    snprintf(f, sizeof f, "\"function\":\"%s\"", function);
-    snprintf(s, sizeof s, "\"statement\":\"%s", statement);
-    for (const char *line = text; *line;) {
-        const char *end = strchr(line, '\n');
-        size_t len = end ? (size_t)(end - line) : strlen(line);
-        const char *at_f = strstr(line, f), *at_s = strstr(line, s);
-        if (at_f && at_f < line + len && at_s && at_s < line + len)
-            return true;
-        line += len + (end ? 1 : 0);
-    }
-    return false;
-}
-
-static void expect_at(const char *file, int line, const char *function, const char *statement) {
-    const char *text = news();
-    if (!line_says(text, function, statement)) {
-        fprintf(stderr, "%s:%d: expected %s %s, the report says:\n%s", file, line, function,
-                statement, *text ? text : "nothing\n");
-        fail();
-    }
-    statements_seen++;
-}
-#define SAYS(function, statement) expect_at(__FILE__, __LINE__, function, statement)
-#define WRONG(result, call, function, statement)                                                   \
-    do {                                                                                           \
-        XR_IS(result, call);                                                                       \
-        SAYS(function, statement);                                                                 \
-    } while (0)
-
-static void says_nothing_at(const char *file, int line) {
-    const char *text = news();
-    if (strstr(text, "\"level\"")) {
-        fprintf(stderr, "%s:%d: expected nothing, the report says:\n%s", file, line, text);
-        fail();
-    }
-}
-#define SAYS_NOTHING() says_nothing_at(__FILE__, __LINE__)
-
-static void strict_settings(void) {
-    char json[512];
-    snprintf(report_path, sizeof report_path, "%s/strict.jsonl", client_folder());
-    remove(report_path);
-    read_to = 0;
-    errors_seen = 0;
-    snprintf(json, sizeof json,
-             "{\"clock\": \"virtual\", \"strict\": true, \"strict_report\": \"%s\", "
-             "\"capture\": {\"dir\": \"%s/eyes\", \"frames\": \"::3\"}}",
-             report_path, client_folder());
-    client_settings(json);
-}
-
-static void start(struct client *c) {
-    strict_settings();
-    client_start(c);
-    SAYS_NOTHING();
-}
-
-// The instance goes, and with it the verdict comes.
-static void stop(struct client *c) {
-    client_stop(c);
-    char expected[64];
-    char *text = news(), *last = strstr(text, "{\"errors\":");
-    snprintf(expected, sizeof expected, "{\"errors\":%d,", errors_seen);
-    if (!last || strncmp(last, expected, strlen(expected)) != 0 || strchr(last, '\n')[1] != '\0') {
-        fprintf(stderr, "expected %s… as the last line of:\n%s", expected, text);
-        fail();
-    }
-}
 
 static XrSwapchain make_swapchain_of(struct client *c, XrSwapchainUsageFlags usage,
                                      int64_t format) {
@@ -224,7 +131,7 @@ static void end_session(struct client *c) {
 static void a_right_program_hears_nothing(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     ask_blend_modes(c);
     XrSwapchain swapchain = make_swapchain(c);
     for (int k = 0; k < 12; k++) {
@@ -245,14 +152,14 @@ static void a_right_program_hears_nothing(void **unused) {
     XR_OK(RT(xrDestroySwapchain)(swapchain));
     destroy_spaces(c);
     SAYS_NOTHING();
-    stop(c);
-    assert_int_equal(errors_seen, 0);
+    report_stop(c);
+    assert_int_equal(report_errors, 0);
 }
 
 static void structures_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     XrReferenceSpaceCreateInfo info = {.type = XR_TYPE_VIEW,
                                        .referenceSpaceType = XR_REFERENCE_SPACE_TYPE_LOCAL,
                                        .poseInReferenceSpace.orientation.w = 1};
@@ -301,13 +208,13 @@ static void structures_are_told(void **unused) {
     WRONG(XR_ERROR_VALIDATION_FAILURE,
           RT(xrGetReferenceSpaceBoundsRect)(c->session, XR_REFERENCE_SPACE_TYPE_STAGE, NULL),
           "xrGetReferenceSpaceBoundsRect", "VUID-xrGetReferenceSpaceBoundsRect-bounds-parameter");
-    stop(c);
+    report_stop(c);
 }
 
 static void instance_calls_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     XrSystemGetInfo get = {.type = XR_TYPE_SYSTEM_GET_INFO, .formFactor = (XrFormFactor)9};
     XrSystemId id;
     assert_true(RT(xrGetSystem)(c->instance, &get, &id) < 0);
@@ -349,13 +256,13 @@ static void instance_calls_are_told(void **unused) {
     XrInstanceProperties about = {.type = XR_TYPE_INSTANCE_PROPERTIES};
     WRONG(XR_ERROR_HANDLE_INVALID, RT(xrGetInstanceProperties)((XrInstance)c->session, &about),
           "xrGetInstanceProperties", "VUID-xrGetInstanceProperties-instance-parameter");
-    stop(c);
+    report_stop(c);
 }
 
 static void sessions_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    strict_settings();
+    report_settings();
     client_make_instance(c);
     XrSessionCreateInfo early = {.type = XR_TYPE_SESSION_CREATE_INFO, .systemId = c->system};
     XrGraphicsBindingVulkanKHR none = {.type = XR_TYPE_GRAPHICS_BINDING_VULKAN_KHR};
@@ -391,13 +298,13 @@ static void sessions_are_told(void **unused) {
           "XR_ERROR_SESSION_NOT_READY: Session Lifecycle");
     WRONG(XR_ERROR_HANDLE_INVALID, RT(xrEndSession)((XrSession)c->instance), "xrEndSession",
           "VUID-xrEndSession-session-parameter");
-    stop(c);
+    report_stop(c);
 }
 
 static void frames_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     WRONG(XR_ERROR_CALL_ORDER_INVALID, RT(xrBeginFrame)(c->session, NULL), "xrBeginFrame",
           "XR_ERROR_CALL_ORDER_INVALID: Frame Submission");
     XrFrameState f = {.type = XR_TYPE_FRAME_STATE, .next = NULL};
@@ -441,13 +348,13 @@ static void frames_are_told(void **unused) {
     XR_OK(RT(xrDestroySession)(c->session));
     SAYS("xrDestroySession", "USE-session-not-ended");
     c->session = XR_NULL_HANDLE;
-    stop(c);
+    report_stop(c);
 }
 
 static void layers_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     ask_blend_modes(c);
     XrSwapchain swapchain = make_swapchain(c);
     client_poll(c);
@@ -468,7 +375,7 @@ static void layers_are_told(void **unused) {
     f = wait_and_begin(c);
     XR_OK(locate(c, f.predictedDisplayTime, c->stage, views));
     make_ending(&e, c, f.predictedDisplayTime, swapchain, views);
-    news();
+    report_news();
     e.layer.space = XR_NULL_HANDLE;
     END(XR_ERROR_HANDLE_INVALID, "VUID-XrCompositionLayerProjection-space-parameter");
     e.layer.space = c->stage;
@@ -504,13 +411,13 @@ static void layers_are_told(void **unused) {
     e.views[0].next = &depth;
     end(c, &e);
     SAYS("xrEndFrame", "VUID-XrCompositionLayerProjectionView-next-next");
-    stop(c);
+    report_stop(c);
 }
 
 static void doubtful_frames_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     XrSwapchain swapchain = make_swapchain(c), spare = make_swapchain(c);
     XrView views[2], old[2];
     struct ending e;
@@ -572,7 +479,7 @@ static void doubtful_frames_are_told(void **unused) {
 static void swapchains_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     XrSwapchain swapchain = make_swapchain(c), other;
     uint32_t index;
     WRONG(XR_ERROR_VALIDATION_FAILURE, RT(xrAcquireSwapchainImage)(swapchain, NULL, NULL),
@@ -615,7 +522,7 @@ static void swapchains_are_told(void **unused) {
     CREATED(XR_ERROR_VALIDATION_FAILURE, "XrSwapchainCreateInfo: sizes and counts");
     WRONG(XR_ERROR_HANDLE_INVALID, RT(xrDestroySwapchain)((XrSwapchain)c->session),
           "xrDestroySwapchain", "VUID-xrDestroySwapchain-swapchain-parameter");
-    stop(c);
+    report_stop(c);
 }
 
 static XrResult add_action(struct client *c, XrActionSet set, const char *name, const char *shown,
@@ -629,7 +536,7 @@ static XrResult add_action(struct client *c, XrActionSet set, const char *name, 
 static void names_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     XrActionSetCreateInfo info = {.type = XR_TYPE_ACTION_SET_CREATE_INFO,
                                   .actionSetName = "set",
                                   .localizedActionSetName = "Set"};
@@ -667,7 +574,7 @@ static void names_are_told(void **unused) {
     XR_OK(RT(xrStringToPath)(c->instance, "/user/foot", &path));
     WRONG(XR_ERROR_PATH_UNSUPPORTED, RT(xrCreateAction)(set, &sub, &a), "xrCreateAction",
           "XR_ERROR_PATH_UNSUPPORTED: Actions");
-    stop(c);
+    report_stop(c);
 }
 
 static XrResult suggest(struct client *c, XrAction action, const char *text) {
@@ -685,7 +592,7 @@ static XrResult suggest(struct client *c, XrAction action, const char *text) {
 static void actions_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     XrActionSetCreateInfo info = {.type = XR_TYPE_ACTION_SET_CREATE_INFO,
                                   .actionSetName = "set",
                                   .localizedActionSetName = "Set"};
@@ -763,7 +670,7 @@ static void actions_are_told(void **unused) {
           RT(xrGetInputSourceLocalizedName)(c->session, &name, 0, &n, NULL),
           "xrGetInputSourceLocalizedName",
           "VUID-XrInputSourceLocalizedNameGetInfo-whichComponents-requiredbitmask");
-    stop(c);
+    report_stop(c);
 }
 
 // Two threads begin to wait for frames of one session.
@@ -776,7 +683,7 @@ static void *wait_too(void *data) {
 static void overlapping_calls_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     wait_and_begin(c);
     XrFrameState f = {.type = XR_TYPE_FRAME_STATE};
     XR_OK(RT(xrWaitFrame)(c->session, NULL, &f)); // as a pipelined program does
@@ -791,13 +698,13 @@ static void overlapping_calls_are_told(void **unused) {
     for (int i = 0; i < 2; i++)
         pthread_join(threads[i], NULL);
     SAYS("xrWaitFrame", "Threading Behavior: one xrWaitFrame at a time");
-    stop(c);
+    report_stop(c);
 }
 
 static void extensions_not_enabled_are_told(void **unused) {
     (void)unused;
     struct client program = {0}, *c = &program;
-    start(c);
+    report_start(c);
     PFN_xrVoidFunction f;
     PFN_xrGetInstanceProcAddr get =
         (PFN_xrGetInstanceProcAddr)(uintptr_t)client_proc(c->instance, "xrGetInstanceProcAddr");
@@ -813,13 +720,13 @@ static void extensions_not_enabled_are_told(void **unused) {
     XrFrameState state = {.type = XR_TYPE_FRAME_STATE, .next = (void *)(uintptr_t)0xdeadbeef0};
     WRONG(XR_SUCCESS, RT(xrWaitFrame)(c->session, NULL, &state), "xrWaitFrame",
           "VUID-XrFrameState-next-next");
-    stop(c);
+    report_stop(c);
 }
 
 // Two instances, one report: its last line is the verdict on both.
 static void a_report_is_summed_up(void **unused) {
     (void)unused;
-    strict_settings();
+    report_settings();
     for (int k = 1; k <= 2; k++) {
         struct client program = {0}, *c = &program;
         client_make_instance(c);
@@ -828,7 +735,7 @@ static void a_report_is_summed_up(void **unused) {
         client_stop(c);
         char expected[64];
         snprintf(expected, sizeof expected, "{\"errors\":%d,\"warnings\":0,\"notes\":0}", k);
-        assert_non_null(strstr(news(), expected));
+        assert_non_null(strstr(report_news(), expected));
     }
 }
 
@@ -837,7 +744,7 @@ static void a_full_report_ends_nobody(void **unused) {
     (void)unused;
     struct client client = {0}, *c = &client;
     struct rlimit old, small;
-    strict_settings();
+    report_settings();
     getrlimit(RLIMIT_FSIZE, &old);
     small = old;
     small.rlim_cur = 100; // bytes
@@ -855,8 +762,8 @@ static void a_full_report_ends_nobody(void **unused) {
 
 static int enough_statements(void **unused) {
     (void)unused;
-    printf("%d wrong uses told by name\n", statements_seen);
-    return statements_seen >= 90 ? 0 : 1;
+    printf("%d wrong uses told by name\n", report_statements);
+    return report_statements >= 90 ? 0 : 1;
 }
 
 int main(void) {
