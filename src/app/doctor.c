@@ -1,4 +1,5 @@
 #include <glob.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,11 +10,12 @@
 #include "src/app/runtime.h"
 #include "src/base/file.h"
 #include "src/base/json.h"
+#include "src/render/logmap_device.h"
 #include "xr/client.h"
 
 static const char help[] =
     "Says what this machine has for antipode and what to do about what is missing: Vulkan devices,\n"
-    "the OpenXR loader and runtime, the simulated headset, helper programs, permissions of HID\n"
+    "how exact the log map is on the one that draws, the OpenXR loader and runtime, the simulated headset, helper programs, permissions of HID\n"
     "devices. Exit status 0 where a session can be run, else 4.";
 
 enum { MAX_DEVICES = 16 };
@@ -77,6 +79,39 @@ static bool check_vulkan(void) {
         say("MISS", "Vulkan device", cure);
     vkDestroyInstance(instance, NULL);
     return found;
+}
+
+// How far what is seen may be off because of the device's arithmetic: docs/rendering.md.
+static void check_logmap(void) {
+    enum { POINTS = 30000 };
+    static const int CASES[3][2] = {{1, 0}, {1, 1}, {-1, 0}};
+    static const double ALLOWED = 4e-7;
+    struct ap_error err;
+    struct ap_gpu gpu;
+    struct ap_logmap_device *device = NULL;
+    double worst[3], at, most = 0;
+    enum ap_status st = ap_gpu_create_headless(&err, &(struct ap_gpu_headless_params){0}, &gpu);
+    if (st) {
+        say("MISS", "log map", err.text);
+        return;
+    }
+    st = ap_logmap_device_create(&err, &gpu, POINTS, &device);
+    for (int i = 0; !st && i < 3; i++) {
+        st = ap_logmap_device_error(&err, device, CASES[i], POINTS, &worst[i], &at);
+        most = !st && !isnan(most) && !(worst[i] <= most) ? worst[i] : most;
+    }
+    char text[512];
+    if (st)
+        snprintf(text, sizeof text, "not measured: %.400s", err.text);
+    else
+        snprintf(text, sizeof text,
+                 "off by %.2g (s3), %.2g (s3, the long way round), %.2g (h3) at most on %.200s; "
+                 "%.1g is allowed%s",
+                 worst[0], worst[1], worst[2], gpu.properties.deviceName, ALLOWED,
+                 most <= ALLOWED ? "" : ": distances are wrong there, try another driver");
+    say(!st && most <= ALLOWED ? "ok" : "note", "log map", text);
+    ap_logmap_device_destroy(device);
+    ap_gpu_finish(&gpu);
 }
 
 // The library_path of a runtime manifest exists, where it is a path.
@@ -203,6 +238,8 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
     if (st || done)
         return st;
     bool vulkan = check_vulkan();
+    if (vulkan)
+        check_logmap();
     bool simulated = check_simulated();
     bool active = check_active_runtime();
     bool session = vulkan && active && check_session();

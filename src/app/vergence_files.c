@@ -1,13 +1,11 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include "src/app/gnuplot.h"
 #include "src/app/vergence.h"
 #include "src/base/file.h"
 #include "src/base/log.h"
@@ -300,52 +298,13 @@ static void write_script(FILE *f, const struct ap_capture *c, const struct ap_ve
     fprintf(f, "\nunset multiplot\n");
 }
 
-// True where gnuplot ran and said that all went well.
-static bool run_gnuplot(FILE *script, FILE *picture) {
-    extern char **environ;
-    char program[] = "gnuplot", defaults[] = "--default-settings";
-    char *argv[] = {program, defaults, NULL};
-    posix_spawn_file_actions_t actions;
-    pid_t pid;
-    int status = 1;
-    if (posix_spawn_file_actions_init(&actions) != 0)
-        return false;
-    bool ran = posix_spawn_file_actions_adddup2(&actions, fileno(script), STDIN_FILENO) == 0 &&
-               posix_spawn_file_actions_adddup2(&actions, fileno(picture), STDOUT_FILENO) == 0 &&
-               posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", 1, 0) == 0 &&
-               posix_spawnp(&pid, program, &actions, NULL, argv, environ) == 0;
-    posix_spawn_file_actions_destroy(&actions);
-    if (!ran)
-        return false;
-    while (waitpid(pid, &status, 0) < 0)
-        if (errno != EINTR)
-            return false;
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
 static enum ap_status write_plot(struct ap_error *err, const char *path, const struct ap_capture *c,
                                  const struct ap_vergence_row *rows, size_t count) {
     FILE *script = tmpfile();
     if (!script)
         return ap_fail(err, AP_ENVIRONMENT, "a temporary file cannot be made: %s", strerror(errno));
-    struct ap_outfile picture;
-    enum ap_status st = ap_outfile_open(err, path, &picture);
-    if (st) {
-        fclose(script);
-        return st;
-    }
     write_script(script, c, rows, count);
-    rewind(script);
-    if (run_gnuplot(script, picture.stream) && lseek(fileno(picture.stream), 0, SEEK_END) > 0) {
-        st = ap_outfile_commit(err, &picture);
-    } else {
-        ap_outfile_abort(&picture);
-        unlink(path); // an older run's plot would not be of these numbers
-        ap_log(AP_LOG_WARNING,
-               "%s: no plot: gnuplot is not installed (apt-get install "
-               "gnuplot-nox), or failed",
-               path);
-    }
+    enum ap_status st = ap_gnuplot(err, script, path);
     fclose(script);
     return st;
 }

@@ -1,4 +1,4 @@
-// No shader calls an inverse or hyperbolic built-in, or pow: no driver gets those right.
+// No shader that draws calls an inverse or hyperbolic built-in, or pow: no driver gets those right.
 #include <ctype.h>
 #include <dirent.h>
 #include <stdbool.h>
@@ -39,12 +39,18 @@ int main(void) {
     DIR *list = opendir(dir);
     int found = 0, read = 0;
     for (struct dirent *e = list ? readdir(list) : NULL; e; e = readdir(list)) {
-        if (e->d_name[0] == '.' || strcmp(e->d_name, "meson.build") == 0)
+        // What the built-ins cost and miss is measured by the one shader that draws nothing.
+        if (e->d_name[0] == '.' || strcmp(e->d_name, "meson.build") == 0 ||
+            strcmp(e->d_name, "logmap_builtin.glsl") == 0)
             continue;
         char *path = ap_path_join(dir, e->d_name), *text = NULL;
         size_t len = 0;
         if (path && ap_file_read(NULL, path, 1 << 20, &text, &len) == AP_OK) {
             read++;
+            if (strcmp(e->d_name, "logmap_test.comp") != 0 && strstr(text, "logmap_builtin.glsl")) {
+                printf("%s: includes logmap_builtin.glsl\n", e->d_name);
+                found++;
+            }
             for (size_t i = 0; i < sizeof FORBIDDEN / sizeof *FORBIDDEN; i++)
                 found += count(e->d_name, text, FORBIDDEN[i]);
         }
