@@ -79,7 +79,7 @@ static void count(struct ap_draw_list *list, const struct ap_draw_item *item, un
 static enum ap_pipeline_kind pipeline_for(const struct ap_part *part, bool guard, bool plain) {
     if (guard)
         return AP_PIPELINE_GUARD;
-    bool closed = part->kind == AP_PART_BALL || part->kind == AP_PART_STICK;
+    bool closed = part->one_sided || part->kind == AP_PART_BALL || part->kind == AP_PART_STICK;
     if (part->lit && part->finish != AP_FINISH_PLAIN && !plain)
         return part->kind == AP_PART_BALL    ? AP_PIPELINE_BALLS
                : part->kind == AP_PART_STICK ? AP_PIPELINE_STICKS

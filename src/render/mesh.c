@@ -194,7 +194,7 @@ enum ap_status ap_mesh_stick(struct ap_error *err, struct ap_space space,
     double half = part->length_m / space.rho_m / 2, r0 = part->radius_m / space.rho_m,
            r1 = part->radius2_m / space.rho_m;
     // Finer about the axis, finer along it: both serve the same closeness.
-    double steps = space.kappa == 0 ? 4 : ceil(2.5 * around * half);
+    double steps = space.kappa == 0 ? 4 : ceil(1.25 * around * half);
     if (along <= 0)
         along = (int)fmin(fmax(steps, 4), 192);
     int cap = around / 4 > 2 ? around / 4 : 2;

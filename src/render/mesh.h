@@ -47,7 +47,7 @@ enum ap_status ap_mesh_sphere(struct ap_error *err, int level, struct ap_mesh_da
                               struct ap_mesh *mesh, double *facet_rad);
 
 // A tube about the geodesic segment along z, `around` corners in each ring, rings *step_m apart,
-// round caps. along: steps from end to end; 0: at most 0.8·rho/around where the space is curved,
+// round caps. along: steps from end to end; 0: at most 1.6·rho/around where the space is curved,
 // but no more than 192 of them.
 enum ap_status ap_mesh_stick(struct ap_error *err, struct ap_space space,
                              const struct ap_part *part, int around, int along,

@@ -8,8 +8,8 @@
 
 static const double PI = 3.14159265358979323846;
 static const int BALL_LEVELS = 7;
-static const int STICK_AROUND[] = {8, 16, 32, 64};
-static const int POLYGON_DIVISION[] = {4, 8, 16, 32, 64};
+static const int STICK_AROUND[] = {5, 6, 8, 12, 16, 24, 32, 64};
+static const int POLYGON_DIVISION[] = {1, 2, 4, 8, 16, 32, 64};
 static const int POLYGON_TRIANGLES_MAX = 20480; // a level with more is left out
 
 // Whether two parts can share their meshes.
@@ -67,7 +67,7 @@ static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *sce
         }
         // Straight is straight in e3, but not for somebody who was born in a curved space.
         for (int along = 16; st == AP_OK && scene->space.kappa == 0 && along <= 128; along *= 2) {
-            int k = shape->levels++, around = STICK_AROUND[3];
+            int k = shape->levels++, around = 64;
             st = ap_mesh_stick(err, scene->space, part, around, along, data, &shape->mesh[k],
                                &shape->step_m[k]);
             shape->grain[k] = PI / around;
@@ -103,7 +103,8 @@ static enum ap_status reach_of(struct ap_error *err, const struct ap_scene *scen
         st = ap_regular_polygon(err, scene->space, part->sides, part->edge_m, &circum, &in);
         break;
     case AP_PART_SOLID:
-        circum = scene->solids[part->solid].reach_m;
+        for (int k = 0; k < part->solid_levels || k == 0; k++)
+            circum = fmax(circum, scene->solids[part->solid + k].reach_m);
         break;
     }
     if (st == AP_OK)

@@ -7,7 +7,7 @@
 // Every mesh that a scene may need, on the GPU: equal shapes are made once, each in several levels
 // of detail, coarse before fine.
 
-enum { AP_LEVELS_MAX = 8 };
+enum { AP_LEVELS_MAX = 12 };
 
 struct ap_shape {
     int levels;

@@ -109,14 +109,16 @@ bool ap_clear_of_eyes(const struct ap_viewer *viewer, const struct ap_eyes *eyes
 
 // Pixels a radian, at most, anywhere that the part is seen: off the axis angles are stretched.
 static double pixels_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
-                        const struct ap_part *part, const struct ap_place *place) {
+                        const struct ap_place *place) {
     double d = place->near_m, most = 0;
     struct ap_vec4 base = {0, 0, 0, viewer->space.rho_m};
     struct ap_vec4 c = ap_iso_apply(&place->nose_from_part, base);
     struct ap_vec3 u = ap_vec3_normalize((struct ap_vec3){c.x, c.y, c.z});
-    // The part's half-angle from the nose, and how far an eye's direction differs from the nose's.
-    double reach = (place->far_m - d) / 2, half = reach < d ? asin(reach / d) : PI;
-    bool whole = part->kind != AP_PART_BALL || viewer->space.kappa > 0;
+    // The half-angle from the nose of a ball that holds the part (in h3 less), and how far an eye's
+    // direction differs from the nose's.
+    double middle = ap_vec3_length(ap_log_unchecked(viewer->space, c, 0));
+    double reach = place->far_m - middle, half = reach < middle ? asin(reach / middle) : PI;
+    bool whole = viewer->space.kappa > 0;
     double aside = eyes->reach_m < d ? asin(eyes->reach_m / d) : PI;
     for (int e = 0; e < 2; e++) {
         struct ap_vec3 ahead =
@@ -151,7 +153,7 @@ static double outline_error(const struct ap_viewer *viewer, const struct ap_eyes
 // The straight edge in tangent space against the geodesic, seen from an eye beside the nose;
 // radians. Checked on 539,000 random triangles: worst measured over bound 0.93.
 static double edge_error(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
-                         const struct ap_place *place, double edge_m) {
+                         const struct ap_place *place, double edge_m, bool sheet) {
     struct ap_space space = viewer->space;
     double e = eyes->reach_m, d = place->near_m;
     bool born = viewer->mode == AP_VIEW_BORN && viewer->born.kappa != 0;
@@ -163,8 +165,8 @@ static double edge_error(const struct ap_viewer *viewer, const struct ap_eyes *e
     if (born) // both maps bend lines: at worst their curvatures add up
         rho = 1 / hypot(1 / rho, 1 / viewer->born.rho_m);
     double angle = e * square / (9 * d * rho * rho) / (1 - e / d);
-    // How far the facets are off in depth: it shows where surfaces meet at a small angle.
-    double sagitta = square / (8 * rho);
+    // How far a sheet's facets are off in depth: it shows where it meets others at a small angle.
+    double sagitta = sheet ? square / (8 * rho) : 0;
     if (space.kappa > 0) {
         double t = place->far_m / space.rho_m, stretch = t / sin(t);
         if (!(t < PI - 0.05))
@@ -184,6 +186,8 @@ static double longest_facet(const struct ap_viewer *viewer, const struct ap_plac
     return 0.3 * fmax(PI * rho - place->far_m, 0);
 }
 
+enum { LIT_LEVEL = 2 }; // a polygon's from which on light at the corners always does
+
 static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                         const struct ap_part *part, const struct ap_shape *shape,
                         const struct ap_place *place, double max_rad, int level) {
@@ -196,17 +200,20 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
                2 * part->radius_m * grain < longest;
     case AP_PART_STICK:
         return outline_error(viewer, eyes, radius, place->near_m + radius, grain) +
-                       edge_error(viewer, eyes, place, step) <
+                       edge_error(viewer, eyes, place, step, false) <
                    max_rad &&
                fmax(step, 2 * radius * grain) < longest;
     case AP_PART_POLYGON:
-        return edge_error(viewer, eyes, place, grain) < max_rad && grain < longest;
+        // Plain ones have their light at their corners, which may not be far apart.
+        if (part->lit && level < LIT_LEVEL && !(grain < 0.35 * place->near_m))
+            return false;
+        return edge_error(viewer, eyes, place, grain, true) < max_rad && grain < longest;
     case AP_PART_SOLID:
-        if (shape->levels < 2)
+        if (shape->levels < 2 || (grain == 0 && step == 0)) // it is what its mesh says
             return true;
         return (radius > 0 ? outline_error(viewer, eyes, radius, place->near_m + radius, grain)
                            : 0) +
-                       edge_error(viewer, eyes, place, step) <
+                       edge_error(viewer, eyes, place, step, false) <
                    max_rad &&
                step < longest;
     }
@@ -216,7 +223,7 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
 bool ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                      const struct ap_part *part, const struct ap_shape *shape,
                      const struct ap_place *place, double max_error_px, int *level) {
-    double max_rad = max_error_px / pixels_of(viewer, eyes, part, place);
+    double max_rad = max_error_px / pixels_of(viewer, eyes, place);
     *level = shape->levels - 1;
     if (viewer->mode == AP_VIEW_BORN)
         return false; // these bounds are not made for her space

@@ -388,10 +388,10 @@ static void record_draws(const struct ap_renderer *r, const struct ap_pass *pass
 
 // first_eye: the only one, or 0 for both.
 static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
-                        const struct slot *slot, int32_t first_eye, bool shut) {
+                        const struct slot *slot, int32_t first_eye) {
     VkClearValue clear[2] = {0}; // depth is reversed: 0 is far
     const double *back = r->scene->background_srgb;
-    for (int i = 0; i < 3 && !shut; i++)
+    for (int i = 0; i < 3; i++)
         clear[0].color.float32[i] = ap_linear_color(back[i]);
     clear[0].color.float32[3] = 1;
     VkRenderPassBeginInfo begin = {
@@ -445,8 +445,12 @@ static enum ap_status record(struct ap_error *err, struct ap_renderer *r, unsign
         vkCmdWriteTimestamp(slot->cmd, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, r->times, times);
     }
     for (int e = 0; e < 2; e++) {
+        if (closed_eyes >> e & 1) {
+            ap_resolve_blacken(&r->resolve, slot->cmd, slot->framebuffer[e]);
+            continue;
+        }
         if (e == 0 || !both)
-            record_pass(r, pass, slot, e, closed_eyes >> e & 1);
+            record_pass(r, pass, slot, e);
         ap_resolve_record(&r->resolve, slot->cmd, both, both ? e : 0, slot->framebuffer[e]);
     }
     if (r->times)

@@ -162,14 +162,29 @@ void ap_resolve_read(const struct ap_gpu *gpu, const struct ap_resolve *resolve,
     vkUpdateDescriptorSets(gpu->device, 1, &write, 0, NULL);
 }
 
-void ap_resolve_record(const struct ap_resolve *resolve, VkCommandBuffer cmd, int which,
-                       int32_t layer, VkFramebuffer framebuffer) {
-    struct push push = {layer, resolve->samples, resolve->across};
+static void begin_pass(const struct ap_resolve *resolve, VkCommandBuffer cmd,
+                       VkFramebuffer framebuffer) {
     VkRenderPassBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                    .renderPass = resolve->render_pass,
                                    .framebuffer = framebuffer,
                                    .renderArea = {{0, 0}, {resolve->width, resolve->height}}};
     vkCmdBeginRenderPass(cmd, &begin, VK_SUBPASS_CONTENTS_INLINE);
+}
+
+void ap_resolve_blacken(const struct ap_resolve *resolve, VkCommandBuffer cmd,
+                        VkFramebuffer framebuffer) {
+    static const VkClearAttachment black = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT,
+                                            .clearValue.color.float32 = {0, 0, 0, 1}};
+    VkClearRect all = {.rect.extent = {resolve->width, resolve->height}, .layerCount = 1};
+    begin_pass(resolve, cmd, framebuffer);
+    vkCmdClearAttachments(cmd, 1, &black, 1, &all);
+    vkCmdEndRenderPass(cmd);
+}
+
+void ap_resolve_record(const struct ap_resolve *resolve, VkCommandBuffer cmd, int which,
+                       int32_t layer, VkFramebuffer framebuffer) {
+    struct push push = {layer, resolve->samples, resolve->across};
+    begin_pass(resolve, cmd, framebuffer);
     vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, resolve->pipeline);
     vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, resolve->layout, 0, 1,
                             &resolve->set[which], 0, NULL);

@@ -38,4 +38,8 @@ void ap_resolve_read(const struct ap_gpu *gpu, const struct ap_resolve *resolve,
 void ap_resolve_record(const struct ap_resolve *resolve, VkCommandBuffer cmd, int which,
                        int32_t layer, VkFramebuffer framebuffer);
 
+// Of an eye that is shut: black, and nothing is read.
+void ap_resolve_blacken(const struct ap_resolve *resolve, VkCommandBuffer cmd,
+                        VkFramebuffer framebuffer);
+
 #endif

@@ -41,6 +41,10 @@ void ap_build_part(struct ap_scene_build *build, struct ap_part part);
 // memory is remembered too.
 int ap_build_solid(struct ap_scene_build *build, struct ap_mesh *mesh);
 
+// The same for one of AP_MESH_LEVELS of a thing, mesh->sagitta_m being this level's; they are added
+// one after the other. The finest counts as the thing itself. Returns the part's radius_m with it.
+int ap_build_level(struct ap_scene_build *build, struct ap_mesh *mesh, int level, double *radius_m);
+
 // What a part's `decal` is to be for this text (at most AP_DECAL_TEXT_MAX − 1 bytes, else it is
 // cut); the same for the same text.
 int ap_build_decal(struct ap_scene_build *build, const char *text);

@@ -42,15 +42,26 @@ static void add_sleeve(struct ap_mesh *m) {
     ap_mesh_limb(m, cuff, 0.033, elbow, 0.037);
 }
 
+static struct ap_part hand_part(struct ap_scene_build *build, void (*shape)(struct ap_mesh *),
+                                bool mirrored, unsigned rgb) {
+    struct ap_part part = ap_solid_part(AP_ISO_IDENTITY, 0, rgb);
+    for (int k = 0; k < AP_MESH_LEVELS; k++) {
+        struct ap_mesh mesh = {.mirrored = mirrored, .sagitta_m = ap_mesh_sagitta_m(k)};
+        shape(&mesh);
+        int at = ap_build_level(build, &mesh, k, &part.radius_m);
+        part.solid = k == 0 ? at : part.solid;
+    }
+    part.solid_levels = AP_MESH_LEVELS;
+    part.one_sided = true;
+    return part;
+}
+
 void ap_furnish_hands(struct ap_scene_build *build) {
     for (int side = 0; side < 2; side++) {
         void (*const shape[2])(struct ap_mesh *) = {add_hand, add_sleeve};
         const unsigned rgb[2] = {0xd9a078, 0x34507a};
         for (int i = 0; i < 2; i++) {
-            struct ap_mesh mesh = {.mirrored = side == 0};
-            shape[i](&mesh);
-            struct ap_part part =
-                ap_solid_part(AP_ISO_IDENTITY, ap_build_solid(build, &mesh), rgb[i]);
+            struct ap_part part = hand_part(build, shape[i], side == 0, rgb[i]);
             part.carrier = side == 0 ? AP_CARRIER_LEFT : AP_CARRIER_RIGHT;
             ap_build_part(build, part);
         }

@@ -11,7 +11,15 @@ struct ap_mesh {
     size_t vertex_room, index_room;
     bool out_of_memory;
     bool mirrored; // what is added is reflected in x = 0
+    // How far inside of what is round the middles of its facets may fall; 0: 0.2 mm.
+    double sagitta_m;
+    double roundest_m; // the largest radius that was added
 };
+
+// The same thing at so many levels of detail, coarse before fine: how far its facets may fall
+// inside.
+enum { AP_MESH_LEVELS = 5 };
+double ap_mesh_sagitta_m(int level);
 
 void ap_mesh_finish(struct ap_mesh *mesh);
 
@@ -28,6 +36,14 @@ void ap_mesh_triangle(struct ap_mesh *mesh, unsigned a, unsigned b, unsigned c);
 
 // An ellipsoid with the semi-axes `radii`, placed by mesh_from_shape.
 void ap_mesh_ellipsoid(struct ap_mesh *mesh, struct ap_pose mesh_from_shape, struct ap_vec3 radii);
+
+// A tube of radius thick_m about an arc of a circle of radius_m, which lies in the plane y =
+// height_m about the y axis, from the angle from_rad (0 at +z, counterclockwise from above) to
+// to_rad; round-ended.
+struct ap_mesh_arc {
+    double radius_m, height_m, thick_m, from_rad, to_rad;
+};
+void ap_mesh_arc(struct ap_mesh *mesh, const struct ap_mesh_arc *arc);
 
 // What is within r0…r1 of the segment a…b: a round-ended, tapering limb.
 void ap_mesh_limb(struct ap_mesh *mesh, struct ap_vec3 a, double r0, struct ap_vec3 b, double r1);

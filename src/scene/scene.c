@@ -125,6 +125,20 @@ int ap_build_solid(struct ap_scene_build *build, struct ap_mesh *mesh) {
     return (int)s->solid_count++;
 }
 
+int ap_build_level(struct ap_scene_build *build, struct ap_mesh *mesh, int level,
+                   double *radius_m) {
+    double round_m = mesh->roundest_m, sagitta_m = mesh->sagitta_m;
+    int at = ap_build_solid(build, mesh);
+    if (build->out_of_memory)
+        return 0;
+    struct ap_solid *solid = &build->scene->solids[at];
+    bool finest = level == AP_MESH_LEVELS - 1;
+    solid->turn_rad = finest ? 0 : acos(1 - fmin(sagitta_m / round_m, 1));
+    solid->longest_m = finest ? 0 : solid->longest_m;
+    *radius_m = round_m;
+    return at;
+}
+
 int ap_build_decal(struct ap_scene_build *build, const char *text) {
     struct ap_scene *s = build->scene;
     struct ap_decal decal = {""};

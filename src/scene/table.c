@@ -37,28 +37,33 @@ static struct ap_part wooden(struct ap_part part) {
 
 // A roll of leather round the outside of a corner, from rail to rail: three quarters of the mouth's
 // rim, given as tangent vectors at the corner, whose table lies toward +z.
-static int pocket_rim(struct ap_scene_build *build) {
-    double r = ap_pocket_radius(&build->table), thick = 0.36 * ap_rail_radius(&build->table);
-    struct ap_mesh mesh = {0};
-    enum { STEPS = 14 };
-    struct ap_vec3 before = {0};
-    for (int i = 0; i <= STEPS; i++) {
-        double a = M_PI / 4 * (1 + 6.0 * i / STEPS);
-        struct ap_vec3 at = {r * sin(a), 0.4 * thick, r * cos(a)};
-        if (i > 0)
-            ap_mesh_limb(&mesh, before, thick, at, thick);
-        before = at;
+static struct ap_part pocket_rim(struct ap_scene_build *build) {
+    double thick = 0.36 * ap_rail_radius(&build->table);
+    const struct ap_mesh_arc arc = {.radius_m = ap_pocket_radius(&build->table),
+                                    .height_m = 0.4 * thick,
+                                    .thick_m = thick,
+                                    .from_rad = M_PI / 4,
+                                    .to_rad = M_PI * 7 / 4};
+    struct ap_part part = ap_solid_part(AP_ISO_IDENTITY, 0, 0x3a2114);
+    for (int k = 0; k < AP_MESH_LEVELS; k++) {
+        struct ap_mesh mesh = {.sagitta_m = ap_mesh_sagitta_m(k)};
+        ap_mesh_arc(&mesh, &arc);
+        int at = ap_build_level(build, &mesh, k, &part.radius_m);
+        part.solid = k == 0 ? at : part.solid;
     }
-    return ap_build_solid(build, &mesh);
+    part.solid_levels = AP_MESH_LEVELS;
+    part.one_sided = true;
+    return part;
 }
 
 enum { MOUTH_SIDES = 32 };
 
-static void furnish_corner(struct ap_scene_build *build, struct ap_iso corner, int rim) {
+static void furnish_corner(struct ap_scene_build *build, struct ap_iso corner, struct ap_part rim) {
     const struct ap_table_shape *t = &build->table;
     double rail = ap_rail_radius(t),
            leg = t->space.kappa > 0 ? fmin(0.7, 0.8 * t->space.rho_m) : 0.7;
-    ap_build_part(build, ap_solid_part(corner, rim, 0x3a2114));
+    rim.carrier_from_part = corner;
+    ap_build_part(build, rim);
     // Black beyond the cloth, over the tiles that meet there.
     double r = ap_pocket_radius(t), half = sin(M_PI / MOUTH_SIDES);
     half *= ap_space_sin(t->space, r / t->space.rho_m);
@@ -84,7 +89,7 @@ void ap_furnish_table(struct ap_scene_build *build) {
     felt.finish = AP_FINISH_CLOTH;
     felt.takes_marks = true;
     ap_build_part(build, felt);
-    int rim = pocket_rim(build);
+    struct ap_part rim = pocket_rim(build);
     build->scene->mouth_count = 0;
     for (int k = 0; k < t->sides; k++) {
         struct ap_iso edge = ap_table_edge_frame(t, k);
