@@ -54,6 +54,32 @@ static void lose(struct live_slot *slot) {
     pthread_mutex_unlock(&bus->lock);
 }
 
+static const struct ap_driver *driver_of(const struct ap_live_place *place) {
+    struct ap_device_info *info = malloc(sizeof *info);
+    const struct ap_driver *driver =
+        info && !live_describe(NULL, place, info) ? ap_driver_find(info) : NULL;
+    free(info);
+    return driver;
+}
+
+// A device that was here by another way, as a controller by Bluetooth that now hangs on its cable:
+// its bus, product number and interface may be others.
+static struct live_slot *find_moved(struct live_bus *bus, const struct ap_live_place *place) {
+    const struct ap_driver *driver = place->serial[0] ? driver_of(place) : NULL;
+    struct ap_live *live = bus->live;
+    for (int i = 0, count = driver ? live_slot_count(live) : 0; i < count; i++) {
+        struct live_slot *slot = live->slots[i];
+        const struct ap_live_place *p = &slot->about.place;
+        if (slot->bus != bus || live_slot_state(slot) != AP_LIVE_GONE ||
+            slot->about.driver != driver || p->vendor != place->vendor ||
+            !live_is_same_serial(p->serial, place->serial))
+            continue;
+        close_device(slot);
+        return slot;
+    }
+    return NULL;
+}
+
 // A device that was here before: by its serial, where it has none by where it is plugged in, or
 // else one of its kind.
 static struct live_slot *find_gone(struct live_bus *bus, const struct ap_live_place *place) {
@@ -71,7 +97,7 @@ static struct live_slot *find_gone(struct live_bus *bus, const struct ap_live_pl
         if (!same_kind && strcmp(p->name, place->name) == 0)
             same_kind = slot;
     }
-    return same_kind;
+    return same_kind ? same_kind : find_moved(bus, place);
 }
 
 static struct live_slot *find_path(struct live_bus *bus, const char *path) {
@@ -88,7 +114,7 @@ static struct ap_live_mount mount_of(const struct ap_live *live, const struct ap
     struct ap_live_mount mount = {.tracker_from_body = AP_QUAT_IDENTITY};
     ap_device_key(key, sizeof key, p->serial, p->vendor, p->product);
     for (size_t i = 0; i < live->mount_count; i++)
-        if (strcmp(live->mounts[i].serial, key) == 0)
+        if (live_is_same_serial(live->mounts[i].serial, key))
             mount = live->mounts[i];
     struct ap_quat q = mount.tracker_from_body;
     if (q.x == 0 && q.y == 0 && q.z == 0 && q.w == 0)

@@ -70,6 +70,11 @@ static struct live_tracker *make_tracker(struct live_slot *slot, const struct ap
     atomic_init(&t->role, -1);
     atomic_init(&t->part, AP_BODY_OTHER);
     t->flies = s->kind == AP_SAMPLE_FLIGHT;
+    t->slot = slot;
+    t->index = s->tracker;
+    t->driver = slot->about.driver;
+    t->vendor = slot->about.place.vendor;
+    memcpy(t->serial, slot->about.place.serial, sizeof t->serial);
     t->recentre_count = atomic_load_explicit(&slot->live->recentre_count, memory_order_acquire);
     slot->tracker[s->tracker] = t;
     if (slot->about.tracker_count <= s->tracker)
@@ -104,6 +109,7 @@ static void take_sample(struct live_slot *slot, const struct ap_driver_sample *s
         t = make_tracker(slot, s);
     if (!t)
         return;
+    live_inherit(slot->live, t);
     struct ap_pose pose = s->pose;
     struct ap_vec3 rate = s->angular_velocity_rad_s;
     if (slot->has_mount) {
@@ -153,6 +159,7 @@ void live_slot_report(struct live_slot *slot, int64_t arrival_ns, const uint8_t 
 
 void live_slot_lose(struct live_slot *slot, int64_t now_ns) {
     atomic_store_explicit(&slot->state, AP_LIVE_GONE, memory_order_release);
+    atomic_fetch_add_explicit(&slot->live->lose_count, 1, memory_order_acq_rel);
     slot->about.rate_hz = 0;
     slot->about.unplugged_count++;
     for (int i = 0; i < AP_LIVE_TRACKERS_MAX; i++)

@@ -34,7 +34,12 @@ struct ap_recorder {
     size_t held; // bytes
     int64_t sequence;
     struct ap_record_counts counts;
-    uint64_t devices_seen[AP_LIVE_DEVICES_MAX / 64];
+    struct {
+        bool is_known;
+        int number;    // of its D: line
+        uint64_t what; // of the lines that stand under it
+    } devices[AP_LIVE_DEVICES_MAX];
+    int again; // numbers beyond the devices' that have been given
 
     int64_t zero_ns;
     struct ap_outfile raw, csv;
@@ -64,9 +69,7 @@ static void put(struct ap_recorder *r, struct node *node) {
     bool room = node && r->held + sizeof *node + node->len <= BYTES_MAX;
     if (room) {
         r->held += sizeof *node + node->len;
-        r->counts.devices += node->kind == NODE_DEVICE &&
-                             !(r->devices_seen[node->device / 64] >> node->device % 64 & 1);
-        r->devices_seen[node->device / 64] |= UINT64_C(1) << node->device % 64;
+        node->device = r->devices[node->device].number;
         r->counts.reports += node->kind == NODE_REPORT;
         r->counts.poses += node->kind == NODE_POSE;
         node->sequence = r->sequence++;
@@ -109,14 +112,44 @@ static void print_bytes(FILE *f, const char *key, const uint8_t *bytes, size_t l
     fputc('\n', f);
 }
 
+// A hash (FNV-1a) of what a reader must know to understand the reports.
+static uint64_t what_of(const struct ap_live_place *p) {
+    const uint16_t ids[3] = {p->bus, p->vendor, p->product};
+    uint64_t hash = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < sizeof ids + p->descriptor_len; i++) {
+        uint8_t byte = i < sizeof ids ? ((const uint8_t *)ids)[i] : p->descriptor[i - sizeof ids];
+        hash = (hash ^ byte) * UINT64_C(1099511628211);
+    }
+    return hash;
+}
+
+// The number under which the device's lines stand: one that has come back by another way speaks
+// otherwise, and is another one to whoever reads.
+static int number_for(struct ap_recorder *r, int device, const struct ap_live_place *place) {
+    uint64_t what = what_of(place);
+    pthread_mutex_lock(&r->lock);
+    if (!r->devices[device].is_known) {
+        r->counts.devices++;
+        r->devices[device].is_known = true;
+        r->devices[device].number = device;
+    } else if (r->devices[device].what != what) {
+        r->devices[device].number = AP_LIVE_DEVICES_MAX + r->again++;
+    }
+    r->devices[device].what = what;
+    int number = r->devices[device].number;
+    pthread_mutex_unlock(&r->lock);
+    return number;
+}
+
 // A device begins, or begins anew: what a recorder says of it.
 static void on_started(void *user, int device, const struct ap_live_place *place,
                        const struct ap_device_info *info, int64_t now_ns) {
+    struct ap_recorder *r = user;
     char *text = NULL;
     size_t len = 0;
     FILE *f = open_memstream(&text, &len);
     if (f) {
-        fprintf(f, "D: %d\n", device);
+        fprintf(f, "D: %d\n", number_for(r, device, place));
         if (place->serial[0])
             fprintf(f, "# serial: %s\n", place->serial);
         print_bytes(f, "R:", place->descriptor, place->descriptor_len);
@@ -127,11 +160,11 @@ static void on_started(void *user, int device, const struct ap_live_place *place
         fclose(f);
     }
     // Before its first report also where that is cut to microseconds.
-    struct node *node = text ? make_node(user, NODE_DEVICE, device, now_ns - 1000, len) : NULL;
+    struct node *node = text ? make_node(r, NODE_DEVICE, device, now_ns - 1000, len) : NULL;
     if (node)
         memcpy(node->bytes, text, len);
     free(text);
-    put(user, node);
+    put(r, node);
 }
 
 struct ap_live_listener ap_recorder_listener(struct ap_recorder *recorder) {

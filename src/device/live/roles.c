@@ -1,3 +1,4 @@
+#include <ctype.h>
 #include <string.h>
 
 #include "src/base/number.h"
@@ -126,6 +127,66 @@ static int automatic_role(struct live_slot *slot, const struct live_tracker *t) 
     return tracker_role(live);
 }
 
+// --- the same device by another way
+
+static char next_of(const char **text) {
+    while (**text == ':' || **text == '-')
+        ++*text;
+    return **text ? (char)tolower((unsigned char)*(*text)++) : '\0';
+}
+
+bool live_is_same_serial(const char *a, const char *b) {
+    if (!*a)
+        return false;
+    for (;;) {
+        char x = next_of(&a), y = next_of(&b);
+        if (x != y)
+            return false;
+        if (!x)
+            return true;
+    }
+}
+
+static bool is_twin(const struct live_tracker *a, const struct live_tracker *b) {
+    return a != b && a->index == b->index && a->driver == b->driver && a->vendor == b->vendor &&
+           live_is_same_serial(a->serial, b->serial);
+}
+
+// Takes over what a tracker that has gone was there for; true where there is such a one, gone or
+// not: a device that is plugged in twice has one role.
+static bool take_over(struct ap_live *live, struct live_tracker *t) {
+    bool has_twin = false;
+    for (int i = 0, count = ap_live_role_count(live); i < count; i++) {
+        struct live_role *r = &live->roles[i];
+        struct live_tracker *old = atomic_load_explicit(&r->tracker, memory_order_relaxed);
+        struct live_tracker *place = atomic_load_explicit(&r->position, memory_order_relaxed);
+        if (place && is_twin(place, t)) {
+            has_twin = true;
+            if (live_slot_state(place->slot) == AP_LIVE_GONE)
+                atomic_store_explicit(&r->position, t, memory_order_release);
+        }
+        if (!old || !is_twin(old, t))
+            continue;
+        has_twin = true;
+        if (live_slot_state(old->slot) != AP_LIVE_GONE)
+            continue;
+        t->is_automatic = old->is_automatic;
+        atomic_store(&old->role, -1);
+        give(live, t, i);
+    }
+    return has_twin;
+}
+
+void live_inherit(struct ap_live *live, struct live_tracker *t) {
+    unsigned count = atomic_load_explicit(&live->lose_count, memory_order_acquire);
+    if (atomic_load(&t->role) >= 0 || t->lose_count == count)
+        return;
+    t->lose_count = count;
+    pthread_mutex_lock(&live->lock);
+    take_over(live, t);
+    pthread_mutex_unlock(&live->lock);
+}
+
 void live_assign(struct live_slot *slot, int index) {
     struct ap_live *live = slot->live;
     struct live_tracker *t = slot->tracker[index];
@@ -145,6 +206,9 @@ void live_assign(struct live_slot *slot, int index) {
         }
     }
     t->is_automatic = role < 0;
+    t->lose_count = atomic_load_explicit(&live->lose_count, memory_order_acquire);
+    if (role < 0 && take_over(live, t))
+        asked = true;
     if (role < 0 && !asked && !live->no_automatic)
         role = automatic_role(slot, t);
     give(live, t, role);

@@ -27,9 +27,16 @@ struct live_tracker {
     atomic_ullong held;       // buttons, and the trigger's bits above them
     atomic_int role, part;    // −1: none; enum ap_body_part, by the role
     bool flies, is_automatic; // the live lock
+    // Whose it is: stays, also while the device is away.
+    const struct live_slot *slot;
+    int index;
+    const struct ap_driver *driver;
+    uint16_t vendor;
+    char serial[AP_LIVE_SERIAL_MAX];
     // The reader's own.
     bool is_turned;          // by turn and anchor; else poses are the driver's, bit for bit
     unsigned recentre_count; // of live->recentre_count, when it was recentred last
+    unsigned lose_count;     // of live->lose_count, when it last asked for a role
     struct ap_quat turn;     // of what only knows how it is turned
     struct ap_pose anchor;   // of what flies
     uint32_t buttons;
@@ -90,6 +97,7 @@ struct ap_live {
     struct live_role roles[AP_LIVE_ROLES_MAX];
     atomic_int role_count;
     atomic_uint recentre_count;
+    atomic_uint lose_count; // devices that have gone
     struct live_assignment *assignments;
     size_t assignment_count;
     struct ap_live_mount *mounts; // serials are copies
@@ -131,5 +139,12 @@ enum ap_status live_assignment_read(struct ap_error *err, const char *text, bool
                                     struct live_assignment *out);
 // roles.c: a tracker has said something for the first time. The bus's lock is held.
 void live_assign(struct live_slot *slot, int tracker);
+// roles.c: a tracker without a role: the one that it had on another way, if its device has gone
+// there since it asked last. The bus's lock is held.
+void live_inherit(struct ap_live *live, struct live_tracker *tracker);
+
+// roles.c: whether two serial numbers are one: a Bluetooth address is written with and without
+// colons, in capitals and not, as the driver of each way likes. Nobody's is nobody else's.
+bool live_is_same_serial(const char *a, const char *b);
 
 #endif

@@ -152,6 +152,107 @@ static void test_quick_replug(void **state) {
     end(&w);
 }
 
+// A DualSense's report by USB, lying still, and what its place says.
+static void send_dualsense(struct world *w, int device, int count) {
+    for (int i = 0; i < count; i++) {
+        uint8_t bytes[64] = {1, 128, 128, 128, 128};
+        put16(bytes + 16 + 8, 8192); // 1 g up
+        put16(bytes + 28, i * 12000 & 0xffff);
+        bytes[30] = (uint8_t)(i * 12000 >> 16);
+        step(w, 4 * MS);
+        fake_send(w->fake, device, bytes, sizeof bytes);
+        settle(w);
+    }
+}
+
+static int plug_dualsense(struct world *w, const char *serial, uint16_t bus, int interface) {
+    struct ap_live_place place = {
+        .bus = bus, .vendor = 0x054c, .product = 0x0ce6, .interface_number = interface};
+    snprintf(place.serial, sizeof place.serial, "%s", serial);
+    snprintf(place.name, sizeof place.name, "Wireless Controller %u", (unsigned)bus);
+    place.descriptor_len =
+        bytes_of(XREAL_DESCRIPTOR, strlen(XREAL_DESCRIPTOR), place.descriptor, 64);
+    int device = fake_plug_place(w->fake, &place);
+    settle(w);
+    return device;
+}
+
+// Other numbers and names, the same serial (as each way writes it): the same device and role.
+static void test_other_transport(void **state) {
+    (void)state;
+    struct world w = begin(NULL);
+    int head = plug_slimevr(w.fake, "A1"), pad = plug_dualsense(&w, "10:18:49:AB:cd:ef", 3, 3);
+    play_slimevr(&w, head, 1, 0, 0);
+    send_dualsense(&w, pad, 3);
+    assert_string_equal(device_at(&w, 1).role[0], "left");
+    // USB, another model's number and interface, then Bluetooth's, whose reports are others.
+    fake_unplug(w.fake, pad);
+    settle(&w);
+    step(&w, MS);
+    expect_state(&w, AP_LIVE_LEFT, AP_POSE_LOST);
+    struct ap_live_place edge = w.fake->devices[pad].place;
+    edge.product = 0x0df2;
+    edge.interface_number = 1;
+    edge.path[0] = '\0';
+    memcpy(edge.serial, "101849abcdef", 13);
+    pad = fake_plug_place(w.fake, &edge);
+    settle(&w);
+    send_dualsense(&w, pad, 3);
+    expect_state(&w, AP_LIVE_LEFT, AP_POSE_EXACT);
+    assert_int_equal(ap_live_device_count(w.live), 2);
+    fake_unplug(w.fake, pad);
+    settle(&w);
+    plug_dualsense(&w, "10:18:49:ab:cd:ef", 5, -1);
+    assert_int_equal(ap_live_device_count(w.live), 2);
+    assert_int_equal(device_at(&w, 1).place.bus, 5);
+    assert_int_equal(device_at(&w, 1).state, AP_LIVE_RUNNING);
+    // Another one's number, and a device without any, are others.
+    plug_dualsense(&w, "10:18:49:ab:cd:e0", 3, 3);
+    assert_int_equal(ap_live_device_count(w.live), 3);
+    plug_dualsense(&w, "", 3, 3);
+    assert_int_equal(ap_live_device_count(w.live), 4);
+    end(&w);
+}
+
+// There twice for a while: one role, which goes to the one that stays, and back.
+static void test_twice(void **state) {
+    (void)state;
+    static const char *const position[] = {"right=10:18:49:ab:cd:ef"};
+    struct world w = begin(&(struct ap_live_params){.position = position, .position_count = 1});
+    int head = plug_slimevr(w.fake, "A1"), pad[2];
+    play_slimevr(&w, head, 1, 0, 0);
+    for (int i = 0; i < 2; i++) {
+        pad[i] = plug_dualsense(&w, "10:18:49:ab:cd:ef", 3, i ? 3 : 1);
+        send_dualsense(&w, pad[i], 3);
+    }
+    assert_int_equal(ap_live_device_count(w.live), 3);
+    assert_string_equal(device_at(&w, 1).role[0], "");
+    end(&w);
+    w = begin(NULL);
+    head = plug_slimevr(w.fake, "A1");
+    play_slimevr(&w, head, 1, 0, 0);
+    for (int i = 0; i < 2; i++) {
+        pad[i] = plug_dualsense(&w, "10:18:49:ab:cd:ef", 3, i ? 3 : 1);
+        send_dualsense(&w, pad[i], 3);
+    }
+    for (int round = 0; round < 4; round++) {
+        int stays = (round + 1) % 2;
+        assert_string_equal(device_at(&w, 1 + !stays).role[0], "left");
+        assert_string_equal(device_at(&w, 1 + stays).role[0], "");
+        fake_unplug(w.fake, pad[!stays]);
+        settle(&w);
+        send_dualsense(&w, pad[stays], 3);
+        expect_state(&w, AP_LIVE_LEFT, AP_POSE_EXACT);
+        assert_string_equal(device_at(&w, 1 + stays).role[0], "left");
+        fake_replug(w.fake, pad[!stays], NULL);
+        settle(&w);
+        send_dualsense(&w, pad[!stays], 3);
+    }
+    expect_state(&w, AP_LIVE_RIGHT, AP_POSE_NONE);
+    assert_int_equal(ap_live_device_count(w.live), 3);
+    end(&w);
+}
+
 static void test_equal_devices(void **state) {
     (void)state;
     static const char *const assign[] = {"left=B:2", "right=A"};
@@ -463,6 +564,8 @@ int main(void) {
         cmocka_unit_test(test_head),
         cmocka_unit_test(test_unplug),
         cmocka_unit_test(test_quick_replug),
+        cmocka_unit_test(test_other_transport),
+        cmocka_unit_test(test_twice),
         cmocka_unit_test(test_equal_devices),
         cmocka_unit_test(test_garbage),
         cmocka_unit_test(test_refusals),
