@@ -17,14 +17,14 @@
 //
 //   headset_client SECONDS SENT-LOG|- [frames]
 //
-// Every millisecond it asks where the head is now, and where it was 10 ms ago; with "frames" it
-// runs a frame loop instead. Told, a line each:
+// Every four milliseconds it asks where the head is now, and where it was each millisecond from 13
+// to 10 ms ago; with "frames" it runs a frame loop instead. Told, a line each:
 //   state head tracked|lost at T               CLOCK_MONOTONIC, as it changes
 //   located N backwards B aside A              past poses; steps back; off the vertical axis
 //   behind median … p99 … max … us             of a past pose behind what had been sent by then
 //   frames N longest … us                      between two xrWaitFrame, less the period
 
-enum { MAX = 400000, ROUND = 6283 };
+enum { MAX = 400000, ROUND = 6283, ASKED = 4 };
 static const int64_t MS = 1000000, BACK_NS = 10000000;
 
 struct located {
@@ -132,13 +132,14 @@ static void note_past(struct client *c, int64_t t_ns) {
 
 static void follow(struct client *c, double seconds) {
     int64_t now = player_now_ns(), end = now + (int64_t)(seconds * 1e9);
-    for (int64_t next = now; !player_stop && now < end; next += MS) {
-        while (player_now_ns() < next)
-            nanosleep(&(struct timespec){.tv_nsec = next - player_now_ns()}, NULL);
-        now = player_now_ns();
+    for (int64_t next = now; !player_stop && now < end;
+         next += ASKED * MS + 10000) { // at every phase of a report
+        while ((now = player_now_ns()) < next)
+            nanosleep(&(struct timespec){.tv_nsec = next - now}, NULL);
         XrSpaceLocation at = locate(c, time_of(c, now));
         if (note_state(c, &at))
-            note_past(c, now - BACK_NS);
+            for (int i = ASKED; i-- > 0;)
+                note_past(c, next - BACK_NS - i * MS);
     }
 }
 
