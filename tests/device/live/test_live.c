@@ -540,6 +540,52 @@ static void test_start(void **state) {
     end(&w);
 }
 
+// Its reports come from one interface, its commands belong to the other.
+static void test_hydra(void **state) {
+    (void)state;
+    struct world w = begin(NULL);
+    int d[2];
+    for (int i = 0; i < 2; i++) {
+        struct ap_live_place place = {
+            .bus = 3, .vendor = 0x1532, .product = 0x0300, .interface_number = i};
+        snprintf(place.port, sizeof place.port, "usb-1/input%d", i);
+        place.descriptor_len =
+            bytes_of(XREAL_DESCRIPTOR, strlen(XREAL_DESCRIPTOR), place.descriptor, 64);
+        d[i] = fake_plug_place(w.fake, &place);
+        fake_feature(w.fake, d[i], (const uint8_t[91]){0}, 91);
+    }
+    for (int round = 1; round <= 2; round++) {
+        settle(&w);
+        assert_int_equal(w.fake->devices[d[0]].sent_count, 0);
+        assert_int_equal(w.fake->devices[d[1]].sent_count, 1);
+        const struct fake_report *sent = &w.fake->devices[d[1]].sent[0];
+        assert_int_equal(sent->len, 91);
+        const uint8_t motion[91] = {[6] = 1, [8] = 4, [9] = 3, [89] = 6};
+        assert_memory_equal(sent->bytes, motion, 91);
+        uint8_t report[52] = {0};
+        put16(report + 8, 100 * round); // millimetres to the right
+        put16(report + 14, 32767);      // upright
+        put16(report + 36, 32767);
+        step(&w, 10 * MS);
+        fake_send(w.fake, d[0], report, sizeof report);
+        fake_send(w.fake, d[1], report, 8); // as a mouse would
+        settle(&w);
+        struct ap_live_answer a = ap_live_at(w.live, AP_LIVE_LEFT, w.now_ns);
+        assert_int_equal(a.state, AP_POSE_EXACT);
+        expect_near("x", a.pose.p.x, 0.1 * round, 1e-9);
+        expect_state(&w, AP_LIVE_RIGHT, AP_POSE_EXACT);
+        assert_int_equal(device_at(&w, 1).bad, 0);
+        fake_unplug(w.fake, d[0]);
+        fake_unplug(w.fake, d[1]);
+        settle(&w);
+        fake_replug(w.fake, d[1], NULL);
+        fake_replug(w.fake, d[0], NULL);
+    }
+    settle(&w);
+    assert_int_equal(ap_live_device_count(w.live), 2);
+    end(&w);
+}
+
 static void test_assignments(void **state) {
     (void)state;
     static const char *const wrong[] = {"head", "=x",
@@ -576,6 +622,7 @@ int main(void) {
         cmocka_unit_test(test_flight),
         cmocka_unit_test(test_position),
         cmocka_unit_test(test_start),
+        cmocka_unit_test(test_hydra),
         cmocka_unit_test(test_assignments),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

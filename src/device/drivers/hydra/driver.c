@@ -3,6 +3,8 @@
 // Where the base stands in the room as long as nobody has said: on a table before the person.
 static const struct ap_vec3 BASE_M = {0, 0.8, -0.5};
 
+enum { REPORTS = 0, COMMANDS = 1 }; // interfaces
+
 static const struct ap_driver_ids ids[] = {
     {.vendor = 0x1532, .first_product = 0x0300, .last_product = 0x0300},
     {0},
@@ -12,10 +14,16 @@ static bool match(const struct ap_device_info *info) {
     return ap_driver_names(&ap_driver_hydra, info);
 }
 
+// Each interface is a device of its own here: the first one reports, the second one is told.
+static bool is_interface(const struct ap_device_info *info, int number) {
+    return !info->interface_known || info->interface_number == number;
+}
+
 // From mouse to motion mode; the answer must be fetched.
 static int start(const struct ap_device_info *info,
                  struct ap_driver_step steps[AP_DRIVER_STEPS_MAX]) {
-    (void)info;
+    if (!is_interface(info, COMMANDS))
+        return 0;
     steps[0] = (struct ap_driver_step){.kind = AP_STEP_SET_FEATURE, .len = 91};
     steps[0].bytes[6] = 1;
     steps[0].bytes[8] = 4;
@@ -28,8 +36,10 @@ static int start(const struct ap_device_info *info,
 static enum ap_report_verdict parse(void *state, const struct ap_device_info *info, int64_t t_ns,
                                     const uint8_t *bytes, size_t len,
                                     struct ap_driver_samples *samples) {
-    (void)state, (void)info, (void)t_ns;
+    (void)state, (void)t_ns;
     struct ap_hydra_controller c[2];
+    if (!is_interface(info, REPORTS))
+        return AP_REPORT_IGNORED;
     if (ap_hydra_parse(bytes, len, c) != AP_REPORT_OK)
         return ap_report_bad(samples, "a report of %d bytes with two unit quaternions",
                              AP_HYDRA_REPORT);
