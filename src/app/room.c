@@ -36,6 +36,18 @@ static enum ap_status open_scene(struct ap_error *err, const struct ap_room_opti
                     : ap_scene_billiards(err, &params, scene);
 }
 
+// Where a walker can go far, her pose is kept so that the way matters no more than its end.
+static enum ap_status make_deep_steps(struct ap_error *err, struct ap_room *room) {
+    const struct ap_honeycomb *h = room->scene->honeycomb;
+    if (!h || h->tiling.space.kappa >= 0 || room->tracker_params.kind != AP_TRACKER_ANCHOR)
+        return AP_OK;
+    room->deep_steps = malloc(AP_CELL_FACES * sizeof *room->deep_steps);
+    if (!room->deep_steps)
+        return ap_fail(err, AP_ENVIRONMENT, "out of memory for the steps between cells");
+    room->tracker_params.deep = ap_deep_steps(&h->tiling, &h->pairing, room->deep_steps);
+    return AP_OK;
+}
+
 static enum ap_status open_tracker(struct ap_error *err, const struct ap_room_options *o,
                                    struct ap_room *room) {
     const char *name = o->tracker                             ? o->tracker
@@ -63,6 +75,8 @@ static enum ap_status open_tracker(struct ap_error *err, const struct ap_room_op
     if (!st && o->table_at)
         st = ap_table_at_parse(err, o->table_at, &params->table_x_m, &params->table_z_m,
                                &params->table_yaw_rad);
+    if (!st)
+        st = make_deep_steps(err, room);
     return st ? st : ap_tracker_create(err, params, &room->tracker);
 }
 
@@ -135,7 +149,8 @@ enum ap_status ap_room_follow(struct ap_error *err, struct ap_room *room,
             break;
         int back = h->pairing.to[face];
         const struct ap_iso *step = &h->pairing.cell_from_neighbour[back];
-        enum ap_status st = ap_tracker_rebase(err, room->tracker, step, &h->pairing.low[back]);
+        enum ap_status st = ap_tracker_rebase(err, room->tracker, step, &h->pairing.low[back],
+                                              room->deep_steps ? &room->deep_steps[back] : NULL);
         if (st)
             return st;
         *world_from_head = ap_iso_mul(*step, *world_from_head);
@@ -182,6 +197,7 @@ enum ap_status ap_room_open(struct ap_error *err, const struct ap_room_options *
 
 void ap_room_close(struct ap_room *room) {
     ap_tracker_destroy(room->tracker);
+    free(room->deep_steps);
     ap_scene_destroy(room->scene);
     ap_text_atlas_finish(&room->decals);
     *room = (struct ap_room){0};

@@ -56,13 +56,14 @@ struct ap_room {
     struct ap_tracker *tracker;
     struct ap_tracker_params tracker_params;
     enum ap_view_mode view;
-    struct ap_space born;        // of AP_VIEW_BORN
-    unsigned closed_eyes;        // bit 0 left, bit 1 right
-    struct ap_text_atlas decals; // of the scene's texts; none where there is no font
-    bool has_table;              // the room has a physical table
-    double max_error_px;         // 0: the renderer's default
-    uint32_t samples;            // likewise
-    int64_t cells_crossed;       // in a world of cells: how often the head went on to another one
+    struct ap_space born;           // of AP_VIEW_BORN
+    unsigned closed_eyes;           // bit 0 left, bit 1 right
+    struct ap_text_atlas decals;    // of the scene's texts; none where there is no font
+    bool has_table;                 // the room has a physical table
+    double max_error_px;            // 0: the renderer's default
+    uint32_t samples;               // likewise
+    struct ap_deep_iso *deep_steps; // in h3's worlds of cells: across each face (ap_deep_steps)
+    int64_t cells_crossed; // in a world of cells: how often the head went on to another one
 };
 
 // Command line before scene file before defaults. AP_USAGE or AP_INPUT where they contradict.

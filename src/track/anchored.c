@@ -1,5 +1,7 @@
 #include "src/track/anchored.h"
 
+#include <math.h>
+
 #include "src/track/motion.h"
 
 void ap_anchored_init(struct ap_anchored *anchored, struct ap_space space,
@@ -49,4 +51,8 @@ void ap_anchored_rebase(struct ap_anchored *anchored, const struct ap_iso *high,
             anchored->world_from_anchor.hi.m[i][j] = sum.hi;
             anchored->world_from_anchor.lo.m[i][j] = sum.lo;
         }
+    // Off the group, what moves on is wrong by e^(2·distance) as much: a walk from cell to cell
+    // would be lost after 36 rho. Far poses are left as they are (docs/accuracy.md).
+    if (anchored->space.kappa && fabs(anchored->world_from_anchor.hi.m[3][3]) < 1e6)
+        ap_wide_renew(anchored->space, &anchored->world_from_anchor);
 }

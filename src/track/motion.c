@@ -170,6 +170,28 @@ void ap_wide_unmove(struct ap_space space, const struct ap_motion *motion, struc
     ap_wide_translate(space, back.p_m, m);
 }
 
+void ap_wide_renew(struct ap_space space, struct ap_wide_iso *m) {
+    struct ap_wide_iso old = *m;
+    struct ap_dd near[4][4];
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            struct ap_dd sum = ap_dd_of(i == j ? 3 : 0);
+            for (int k = 0; k < 4; k++) {
+                double sign = (i == 3) != (k == 3) ? -space.kappa : -1;
+                struct ap_dd both = ap_dd_mul(get(&old, k, i), get(&old, k, j));
+                sum = ap_dd_add(sum, ap_dd_scale(sign, both));
+            }
+            near[i][j] = ap_dd_scale(0.5, sum);
+        }
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            struct ap_dd sum = ap_dd_of(0);
+            for (int k = 0; k < 4; k++)
+                sum = ap_dd_add(sum, ap_dd_mul(get(&old, i, k), near[k][j]));
+            put(m, i, j, sum);
+        }
+}
+
 bool ap_iso_is_finite(const struct ap_iso *m) {
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++)

@@ -36,6 +36,10 @@ void ap_wide_move(struct ap_space space, const struct ap_motion *motion, struct 
 // m·(translate(p)·rotate(r))⁻¹.
 void ap_wide_unmove(struct ap_space space, const struct ap_motion *motion, struct ap_wide_iso *m);
 
+// One step of Newton's iteration back onto the group: m·(3 − m⁻¹·m)/2, with G·mᵀ·G for the inverse.
+// s3 and h3, m33 below 1e6: changes a correct matrix by 1e-32·m33² of itself.
+void ap_wide_renew(struct ap_space space, struct ap_wide_iso *m);
+
 // False where an entry overflowed: too far out in h3, or a motion that is not finite.
 bool ap_iso_is_finite(const struct ap_iso *m);
 

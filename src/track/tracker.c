@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/track/anchored.h"
 #include "src/track/billiards.h"
 #include "src/track/motion.h"
+#include "src/track/walker.h"
 
 // One device of `naive`: its own anchor.
 struct device {
@@ -19,8 +19,8 @@ struct ap_tracker {
     struct ap_pose table_from_room;
     bool has_lead; // what the others are placed by has been seen
     int64_t dropped;
-    struct ap_anchored anchored; // anchor
-    struct ap_pose hand[2];      // anchor "hands"
+    struct ap_walker walker; // anchor
+    struct ap_pose hand[2];  // anchor "hands"
     bool has_hand[2];
     struct ap_perimeter c;     // billiards: the head's
     struct ap_billiards table; // billiards
@@ -194,25 +194,29 @@ static struct ap_pose middle_of(struct ap_pose a, struct ap_pose b) {
 }
 
 // The anchor moves to `pose`, or starts there.
-static struct ap_anchored anchored_at(const struct ap_tracker *t, struct ap_pose pose) {
-    struct ap_anchored next = t->anchored;
+static struct ap_walker walker_at(const struct ap_tracker *t, struct ap_pose pose) {
+    struct ap_walker next = t->walker;
     if (t->has_lead)
-        ap_anchored_move(&next, pose);
+        ap_walker_move(&next, pose);
     else
-        ap_anchored_init(&next, t->params.space, base_point(t), pose);
+        ap_walker_init(&next, t->params.deep, t->params.space, base_point(t), pose);
     return next;
 }
 
 static enum ap_status feed_anchor(struct ap_error *err, struct ap_tracker *t, const char *name,
                                   bool leads, struct ap_pose pose, struct ap_iso *out) {
-    struct ap_anchored next = t->anchored;
-    if (leads)
-        next = anchored_at(t, pose);
-    struct ap_iso place = leads ? next.world_from_anchor.hi : ap_anchored_place(&next, pose);
-    if (!ap_iso_is_finite(&place))
+    if (!leads) {
+        struct ap_iso place = ap_anchored_place(&t->walker.anchored, pose);
+        if (!ap_iso_is_finite(&place))
+            return too_far(err, t, name);
+        *out = place;
+        return AP_OK;
+    }
+    struct ap_walker next = walker_at(t, pose);
+    if (!ap_iso_is_finite(&next.anchored.world_from_anchor.hi))
         return too_far(err, t, name);
-    t->anchored = next;
-    *out = place;
+    t->walker = next;
+    *out = next.anchored.world_from_anchor.hi;
     return AP_OK;
 }
 
@@ -220,11 +224,11 @@ static enum ap_status feed_anchor(struct ap_error *err, struct ap_tracker *t, co
 static enum ap_status feed_hands(struct ap_error *err, struct ap_tracker *t, const char *name,
                                  struct ap_pose pose, struct ap_iso *out) {
     int h = strcmp(name, "right") == 0;
-    struct ap_anchored next = anchored_at(t, middle_of(pose, t->hand[!h]));
-    struct ap_iso place = ap_anchored_place(&next, pose);
+    struct ap_walker next = walker_at(t, middle_of(pose, t->hand[!h]));
+    struct ap_iso place = ap_anchored_place(&next.anchored, pose);
     if (!ap_iso_is_finite(&place))
         return too_far(err, t, name);
-    t->anchored = next;
+    t->walker = next;
     t->hand[h] = pose;
     *out = place;
     return AP_OK;
@@ -296,7 +300,7 @@ enum ap_status ap_tracker_feed(struct ap_error *err, struct ap_tracker *tracker,
 // What rests in the room is placed by this: NULL, by the table's edge.
 static const struct ap_anchored *anchor_of_things(const struct ap_tracker *t) {
     if (t->params.kind == AP_TRACKER_ANCHOR)
-        return t->has_lead ? &t->anchored : NULL;
+        return t->has_lead ? &t->walker.anchored : NULL;
     for (size_t i = 0; i < t->device_count; i++)
         if (strcmp(t->devices[i].name, "head") == 0)
             return &t->devices[i].anchored;
@@ -331,21 +335,22 @@ enum ap_status ap_tracker_carry(struct ap_error *err, struct ap_tracker *tracker
                        ap_tracker_kind_name(tracker->params.kind));
     if (!tracker->has_lead)
         return ap_fail(err, AP_USAGE, "nobody to carry: the anchor has not been seen yet");
-    struct ap_anchored next = tracker->anchored;
-    ap_anchored_carry(&next, table_from_grip, motion);
-    if (!ap_iso_is_finite(&next.world_from_anchor.hi))
+    struct ap_walker next = tracker->walker;
+    ap_walker_carry(&next, table_from_grip, motion);
+    if (!ap_iso_is_finite(&next.anchored.world_from_anchor.hi))
         return too_far(err, tracker, "the visitor");
-    tracker->anchored = next;
+    tracker->walker = next;
     return AP_OK;
 }
 
 enum ap_status ap_tracker_rebase(struct ap_error *err, struct ap_tracker *tracker,
-                                 const struct ap_iso *high, const struct ap_iso *low) {
+                                 const struct ap_iso *high, const struct ap_iso *low,
+                                 const struct ap_deep_iso *deep) {
     if (tracker->params.kind == AP_TRACKER_BILLIARDS)
         return ap_fail(err, AP_USAGE,
                        "the tracker 'billiards' holds the visitor to its table: take 'anchor' to "
                        "walk from cell to cell");
-    ap_anchored_rebase(&tracker->anchored, high, low);
+    ap_walker_rebase(&tracker->walker, high, low, deep);
     for (size_t i = 0; i < tracker->device_count; i++)
         ap_anchored_rebase(&tracker->devices[i].anchored, high, low);
     return AP_OK;

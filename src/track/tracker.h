@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "src/base/status.h"
+#include "src/geom/deep.h"
 #include "src/geom/isometry.h"
 #include "src/geom/table.h"
 
@@ -31,6 +32,9 @@ struct ap_tracker_params {
     // anchor: the device that moves freely and that everything else hangs on; "" is "head"; "hands"
     // is the middle of "left" and "right", facing half way between them, once both have been seen.
     char anchor[64];
+    // anchor, in h3: keep the anchor's pose in 256 bits, for a walker whom ap_tracker_rebase takes
+    // from cell to cell. Ends where she is more than 11 rho from the base point.
+    bool deep;
 };
 
 struct ap_tracker;
@@ -70,9 +74,11 @@ bool ap_tracker_place(const struct ap_tracker *tracker, struct ap_pose room_from
 enum ap_status ap_tracker_carry(struct ap_error *err, struct ap_tracker *tracker,
                                 struct ap_pose room_from_grip, struct ap_pose motion);
 
-// The world's coordinates change (ap_anchored_rebase) for everything that moves in it. AP_USAGE in
-// billiards: the table stands where it stands.
+// The world's coordinates change (ap_anchored_rebase) for everything that moves in it. deep: the
+// same isometry in 256 bits, or NULL; a deep anchor ends where it is NULL. AP_USAGE in billiards:
+// the table stands where it stands.
 enum ap_status ap_tracker_rebase(struct ap_error *err, struct ap_tracker *tracker,
-                                 const struct ap_iso *high, const struct ap_iso *low);
+                                 const struct ap_iso *high, const struct ap_iso *low,
+                                 const struct ap_deep_iso *deep);
 
 #endif

@@ -11,7 +11,7 @@
 // written as formulas.
 typedef mpfr_ptr real;
 
-enum { BITS = 256, POOL = 16384, DEVICES = 8 };
+enum { BITS = 448, POOL = 16384, DEVICES = 8 };
 
 static mpfr_t pool[POOL];
 static int pool_used, pool_made;
@@ -376,4 +376,62 @@ double exact_error(const struct exact *x, const struct ap_iso *m) {
 
 double exact_coordinate(const struct exact *x) {
     return mpfr_get_d(x->own_c, MPFR_RNDN);
+}
+
+static void keep_head(struct exact *x, struct mat m) {
+    give_row(x, m);
+    for (int i = 0; i < 16; i++)
+        mpfr_set(x->head.v[i], x->row[i], MPFR_RNDN);
+}
+
+// The dodecahedron's normal nearest to `out`: a pole, or 1/√5 up or down and at a multiple of 18°.
+static struct vec normal_near(struct ap_vec3 out) {
+    if (fabs(out.y) > 0.9)
+        return vec(num(0), num(out.y > 0 ? 1 : -1), num(0));
+    real five = root(num(5)), flat = quo(num(2), five);
+    real turn = quo(pi_times(round(atan2(out.z, out.x) / (M_PI / 10))), num(10));
+    return vec(mul(flat, cosine(turn)), quo(num(out.y > 0 ? 1 : -1), five), mul(flat, sine(turn)));
+}
+
+void exact_cross_534(struct exact *x, struct ap_vec3 out) {
+    pool_used = 0;
+    // Neighbouring planes, (C·u, S) and (C·v, S) with u·v = 1/√5, meet at a right angle:
+    // C²/√5 = S².
+    real five = root(num(5)), cosine_between = quo(num(1), five);
+    real s2 = quo(cosine_between, sub(num(1), cosine_between));
+    real s = root(s2), c = root(add(num(1), s2));
+    struct vec u = normal_near(out);
+    const real n[4] = {mul(c, u.x[0]), mul(c, u.x[1]), mul(c, u.x[2]), s};
+    struct mat m = identity();
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            real both = mul(num(j == 3 ? 2 : -2), mul(n[i], n[j]));
+            m.m[i][j] = add(m.m[i][j], both);
+        }
+    keep_head(x, times(m, kept_mat(&x->head)));
+}
+
+double exact_miss(const struct exact *x, const struct ap_iso *high, const struct ap_iso *low) {
+    pool_used = 0;
+    struct mat m, back;
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            bool minus_one = (i == 3) != (j == 3);
+            back.m[i][j] = fresh();
+            mpfr_mul_si(back.m[i][j], x->row[4 * j + i], minus_one ? -1 : 1, MPFR_RNDN);
+            m.m[i][j] = add(num(high->m[i][j]), num(low ? low->m[i][j] : 0));
+        }
+    m = times(back, m);
+    double worst = 0;
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            double miss = fabs(mpfr_get_d(sub(m.m[i][j], num(i == j)), MPFR_RNDA));
+            worst = miss > worst || isnan(miss) ? miss : worst;
+        }
+    return worst;
+}
+
+double exact_distance(const struct exact *x) {
+    pool_used = 0;
+    return mpfr_get_d(arcosh(x->row[15]), MPFR_RNDN);
 }

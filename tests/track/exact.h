@@ -6,7 +6,7 @@
 #include "src/geom/pose.h"
 #include "src/track/tracker.h"
 
-// The three trackers in 256-bit arithmetic, written from the conventions alone: no code, no
+// The three trackers in 448-bit arithmetic, written from the conventions alone: no code, no
 // formula rearrangement shared with src/track. One at a time per process (its numbers come from one
 // pool).
 struct exact;
@@ -23,5 +23,16 @@ double exact_error(const struct exact *exact, const struct ap_iso *m);
 
 // The unwrapped coordinate of the device fed last (billiards).
 double exact_coordinate(const struct exact *exact);
+
+// h3, anchor: the world's frame becomes that of the cell of {5,3,4} across the face whose normal is
+// nearest to `out`, a mirror image. Written from the dodecahedron's closed form.
+void exact_cross_534(struct exact *exact, struct ap_vec3 out);
+
+// h3: how far from the exact last pose V the isometry m = high + low (NULL: 0) is, seen from V: the
+// largest entry of |V⁻¹·m − 1|; where that is small, an offset over rho or an angle.
+double exact_miss(const struct exact *exact, const struct ap_iso *high, const struct ap_iso *low);
+
+// h3: of the last pose from the base point, over rho.
+double exact_distance(const struct exact *exact);
 
 #endif

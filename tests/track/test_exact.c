@@ -2,7 +2,7 @@
 
 #include "tests/track/support.h"
 
-// Every tracker in every space against 256-bit arithmetic, over synthetic walks.
+// Every tracker in every space against 448-bit arithmetic, over synthetic walks.
 
 static const char *const spaces[] = {"s3", "e3", "h3"};
 
