@@ -13,11 +13,12 @@ struct ap_region {
 
 struct ap_difference {
     uint64_t pixels;          // in which any channel differs
-    int largest_step;         // of one channel's byte
+    int largest_step;         // of one channel's byte, of 16 bits in bytes, rounded up
     double psnr_db;           // over all three channels' bytes, peak 255; INFINITY: the same
     struct ap_region largest; // the largest patch of differing pixels that touch, corners counted
 };
 
+// Two pictures of 16 bits (grey) are compared with all of them, peak 65535.
 // AP_INPUT where the sizes differ; AP_ENVIRONMENT without memory.
 enum ap_status ap_image_difference(struct ap_error *err, const struct ap_image *a,
                                    const struct ap_image *b, struct ap_difference *difference);

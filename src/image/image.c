@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "src/image/grey.h"
 #include "src/image/srgb.h"
 
 enum { MAX_SIDE = 32768 };
@@ -16,12 +17,26 @@ enum ap_status ap_image_create(struct ap_error *err, uint32_t width, uint32_t he
     if (!rgb)
         return ap_fail(err, AP_ENVIRONMENT, "no memory for a picture of %ux%u pixels", width,
                        height);
-    *image = (struct ap_image){width, height, rgb};
+    *image = (struct ap_image){.width = width, .height = height, .rgb = rgb};
     return AP_OK;
+}
+
+enum ap_status ap_image_make_grey(struct ap_error *err, struct ap_image *image) {
+    image->grey = calloc((size_t)image->width * image->height, sizeof *image->grey);
+    return image->grey ? AP_OK
+                       : ap_fail(err, AP_ENVIRONMENT, "no memory for a picture of %ux%u pixels",
+                                 image->width, image->height);
+}
+
+void ap_image_show_grey(struct ap_image *image) {
+    for (size_t k = 0; k < (size_t)image->width * image->height; k++)
+        for (int c = 0; c < 3; c++)
+            image->rgb[3 * k + (size_t)c] = (uint8_t)((image->grey[k] + 128) / 257);
 }
 
 void ap_image_finish(struct ap_image *image) {
     free(image->rgb);
+    free(image->grey);
     *image = (struct ap_image){0};
 }
 

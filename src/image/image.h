@@ -11,6 +11,9 @@
 struct ap_image {
     uint32_t width, height;
     uint8_t *rgb; // 3·width·height
+    // Of a picture of one channel of 16 bits its values, of which rgb then has the upper bits; else
+    // NULL.
+    uint16_t *grey;
 };
 
 // Zeroed (black) pixels. AP_ENVIRONMENT without memory; AP_INPUT for a size of 0 or over 32768.
@@ -45,8 +48,17 @@ enum ap_status ap_png_read(struct ap_error *err, const char *path, struct ap_ima
 enum ap_status ap_pam_write_pixels(struct ap_error *err, const char *path,
                                    const struct ap_pixels *pixels, bool linear);
 
-// PNG, or PAM with RGB or RGB_ALPHA of 8 bits (alpha is dropped), by the file's first bytes.
-// AP_INPUT.
+// One channel of 16 bits that is no light (a depth), 0 to 65535, row by row without gaps. As PNG,
+// or as PAM (raw: GRAYSCALE, MAXVAL 65535, the upper byte first).
+struct ap_grey {
+    const uint16_t *values;
+    uint32_t width, height;
+};
+enum ap_status ap_grey_write(struct ap_error *err, const char *path, const struct ap_grey *grey,
+                             bool raw);
+
+// PNG, or PAM with RGB or RGB_ALPHA of 8 bits (alpha is dropped) or GRAYSCALE of 16, by the file's
+// first bytes. AP_INPUT.
 enum ap_status ap_picture_read(struct ap_error *err, const char *path, struct ap_image *image);
 
 // sRGB byte ↔ linear light 0…1.

@@ -4,7 +4,7 @@
 
 #include "src/base/file.h"
 #include "src/base/number.h"
-#include "src/image/image.h"
+#include "src/image/grey.h"
 
 // https://netpbm.sourceforge.net/doc/pam.html
 
@@ -48,6 +48,20 @@ enum ap_status ap_pam_write_pixels(struct ap_error *err, const char *path,
     return st;
 }
 
+enum ap_status ap_pam_write_grey(struct ap_error *err, const char *path, const struct ap_grey *g) {
+    struct ap_outfile file;
+    enum ap_status st = ap_outfile_open(err, path, &file);
+    if (st)
+        return st;
+    fprintf(file.stream, "P7\nWIDTH %u\nHEIGHT %u\nDEPTH 1\nMAXVAL 65535\n", g->width, g->height);
+    fputs("TUPLTYPE GRAYSCALE\nENDHDR\n", file.stream);
+    for (size_t k = 0; k < (size_t)g->width * g->height && !ferror(file.stream); k++) {
+        putc(g->values[k] >> 8, file.stream);
+        putc(g->values[k] & 255, file.stream);
+    }
+    return ap_outfile_commit(err, &file);
+}
+
 struct header {
     int64_t width, height, depth, maxval;
 };
@@ -79,11 +93,30 @@ static const char *read_header(FILE *f, struct header *h) {
             continue;
         if (h->width < 1 || h->height < 1 || h->width > MAX_SIDE || h->height > MAX_SIDE)
             return "WIDTH and HEIGHT: expected 1 to 32768";
-        if ((h->depth != 3 && h->depth != 4) || h->maxval != 255)
-            return "expected DEPTH 3 or 4 and MAXVAL 255";
+        bool colour = (h->depth == 3 || h->depth == 4) && h->maxval == 255;
+        if (!colour && (h->depth != 1 || h->maxval != 65535))
+            return "expected DEPTH 3 or 4 and MAXVAL 255, or 1 and 65535";
         return NULL;
     }
     return "the header is too long";
+}
+
+static size_t pixel_bytes(const struct header *h) {
+    return h->depth == 1 ? 2 : (size_t)h->depth;
+}
+
+static const char *read_grey(FILE *f, struct ap_image *image) {
+    struct ap_error err;
+    if (ap_image_make_grey(&err, image))
+        return "out of memory";
+    for (size_t k = 0; k < (size_t)image->width * image->height; k++) {
+        int high = getc(f), low = getc(f);
+        if (low == EOF)
+            return "the pixels are cut short";
+        image->grey[k] = (uint16_t)(high << 8 | low);
+    }
+    ap_image_show_grey(image);
+    return NULL;
 }
 
 static const char *read_pixels(FILE *f, const struct header *h, struct ap_image *image) {
@@ -110,7 +143,7 @@ static enum ap_status pam_read(struct ap_error *err, const char *path, struct ap
     // A header that promises more than there is gets no memory.
     long here = why ? 0 : ftell(f);
     if (!why && here >= 0 && fseek(f, 0, SEEK_END) == 0) {
-        if (ftell(f) - here < (long)(h.width * h.height * h.depth))
+        if (ftell(f) - here < h.width * h.height * (long)pixel_bytes(&h))
             why = "the pixels are cut short";
         else
             fseek(f, here, SEEK_SET);
@@ -118,7 +151,7 @@ static enum ap_status pam_read(struct ap_error *err, const char *path, struct ap
     enum ap_status st =
         why ? AP_OK : ap_image_create(err, (uint32_t)h.width, (uint32_t)h.height, &made);
     if (!st && !why)
-        why = read_pixels(f, &h, &made);
+        why = h.depth == 1 ? read_grey(f, &made) : read_pixels(f, &h, &made);
     fclose(f);
     if (why)
         st = ap_fail(err, AP_INPUT, "%s: not a whole PAM picture: %s", path, why);

@@ -6,7 +6,7 @@
 #include <zlib.h>
 
 #include "src/base/file.h"
-#include "src/image/image.h"
+#include "src/image/grey.h"
 
 enum { MAX_SIDE = 32768 };
 
@@ -17,8 +17,10 @@ struct png_job {
     png_infop info;
     FILE *stream;
     int64_t file_bytes; // −1: not known
-    const struct ap_pixels *pixels;
-    unsigned flags; // AP_PNG_…
+    bool writes;
+    const struct ap_pixels *pixels; // to be written: this, or
+    const struct ap_grey *grey;     // this
+    unsigned flags;                 // AP_PNG_…
     struct ap_image image;
     char why[256];
     enum ap_status status;
@@ -29,7 +31,7 @@ static void on_error(png_structp png, png_const_charp text) {
     // A failed write is told by errno better than by libpng's "Write Error".
     if (job->why[0] == '\0')
         snprintf(job->why, sizeof job->why, "%s",
-                 job->pixels && ferror(job->stream) && errno ? strerror(errno) : text);
+                 job->writes && ferror(job->stream) && errno ? strerror(errno) : text);
     png_longjmp(png, 1);
 }
 
@@ -38,10 +40,8 @@ static void on_warning(png_structp png, png_const_charp text) {
     (void)text;
 }
 
-static void write_rows(struct png_job *job) {
-    const struct ap_pixels *p = job->pixels;
-    bool packed = p->stride == 0; // rows of 3 bytes: ap_png_write
-    size_t stride = packed ? (size_t)p->width * 3 : p->stride;
+// What is the same for all.
+static void begin_writing(struct png_job *job) {
     png_init_io(job->png, job->stream);
     // Measured on a drawn 1440×1600 scene (docs/capture-composition.md): 26 ms and 392 kB; level 6
     // takes 84 ms for 284 kB, all filters at this level 62 ms for 414 kB.
@@ -50,6 +50,27 @@ static void write_rows(struct png_job *job) {
     png_set_compression_strategy(job->png, Z_DEFAULT_STRATEGY);
     png_set_compression_mem_level(job->png, 9);
     png_set_compression_buffer_size(job->png, 65536);
+}
+
+static void write_grey_rows(struct png_job *job) {
+    const struct ap_grey *g = job->grey;
+    const uint16_t one = 1;
+    begin_writing(job);
+    png_set_IHDR(job->png, job->info, g->width, g->height, 16, PNG_COLOR_TYPE_GRAY,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(job->png, job->info);
+    if (*(const uint8_t *)&one) // the file has the upper byte first
+        png_set_swap(job->png);
+    for (uint32_t y = 0; y < g->height; y++)
+        png_write_row(job->png, (const uint8_t *)(g->values + (size_t)y * g->width));
+    png_write_end(job->png, NULL);
+}
+
+static void write_rows(struct png_job *job) {
+    const struct ap_pixels *p = job->pixels;
+    bool packed = p->stride == 0; // rows of 3 bytes: ap_png_write
+    size_t stride = packed ? (size_t)p->width * 3 : p->stride;
+    begin_writing(job);
     bool alpha = job->flags & AP_PNG_ALPHA;
     png_set_IHDR(job->png, job->info, p->width, p->height, 8,
                  alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
@@ -71,14 +92,18 @@ static void write_rows(struct png_job *job) {
 static bool try_write(struct png_job *job) {
     if (setjmp(png_jmpbuf(job->png)))
         return false;
-    write_rows(job);
+    if (job->grey)
+        write_grey_rows(job);
+    else
+        write_rows(job);
     return true;
 }
 
 static enum ap_status write_png(struct ap_error *err, const char *path,
-                                const struct ap_pixels *pixels, unsigned flags) {
+                                const struct ap_pixels *pixels, const struct ap_grey *grey,
+                                unsigned flags) {
     struct ap_outfile file = {0};
-    struct png_job job = {.pixels = pixels, .flags = flags};
+    struct png_job job = {.writes = true, .pixels = pixels, .grey = grey, .flags = flags};
     enum ap_status st = ap_outfile_open(err, path, &file);
     if (st)
         return st;
@@ -110,7 +135,7 @@ enum ap_status ap_png_write(struct ap_error *err, const char *path, const struct
     if (st)
         return st;
     struct ap_pixels packed = {image->rgb, image->width, image->height, 0, false};
-    return write_png(err, path, &packed, 0);
+    return write_png(err, path, &packed, NULL, 0);
 }
 
 enum ap_status ap_png_write_pixels(struct ap_error *err, const char *path,
@@ -126,7 +151,15 @@ enum ap_status ap_png_write_pixels_as(struct ap_error *err, const char *path,
     if (pixels->stride < (size_t)pixels->width * 4)
         return ap_fail(err, AP_INPUT, "%s: rows of %zu bytes are too short for %u pixels", path,
                        pixels->stride, pixels->width);
-    return write_png(err, path, pixels, flags);
+    return write_png(err, path, pixels, NULL, flags);
+}
+
+enum ap_status ap_grey_write(struct ap_error *err, const char *path, const struct ap_grey *grey,
+                             bool raw) {
+    enum ap_status st = check_size(err, path, grey->width, grey->height);
+    if (st)
+        return st;
+    return raw ? ap_pam_write_grey(err, path, grey) : write_png(err, path, NULL, grey, 0);
 }
 
 // Deflate makes at most 1032 bytes of one, so a short file that promises a huge picture is refused
@@ -134,6 +167,32 @@ enum ap_status ap_png_write_pixels_as(struct ap_error *err, const char *path,
 static bool plausible(const struct png_job *job, uint32_t height) {
     double bytes = (double)png_get_rowbytes(job->png, job->info) * height;
     return job->file_bytes < 0 || bytes <= 1032.0 * (double)job->file_bytes;
+}
+
+// One channel of 16 bits, nothing transparent.
+static bool is_grey_16(const struct png_job *job) {
+    return png_get_bit_depth(job->png, job->info) == 16 &&
+           png_get_color_type(job->png, job->info) == PNG_COLOR_TYPE_GRAY &&
+           !png_get_valid(job->png, job->info, PNG_INFO_tRNS);
+}
+
+static void read_grey_rows(struct png_job *job) {
+    struct ap_image *image = &job->image;
+    struct ap_error error = {{0}};
+    const uint16_t one = 1;
+    job->status = ap_image_make_grey(&error, image);
+    if (job->status)
+        png_error(job->png, error.text);
+    job->status = AP_INPUT;
+    if (*(const uint8_t *)&one)
+        png_set_swap(job->png);
+    int passes = png_set_interlace_handling(job->png);
+    png_read_update_info(job->png, job->info);
+    for (int pass = 0; pass < passes; pass++)
+        for (uint32_t y = 0; y < image->height; y++)
+            png_read_row(job->png, (uint8_t *)(image->grey + (size_t)y * image->width), NULL);
+    png_read_end(job->png, NULL);
+    ap_image_show_grey(image);
 }
 
 static void read_rows(struct png_job *job) {
@@ -147,6 +206,15 @@ static void read_rows(struct png_job *job) {
     uint32_t height = png_get_image_height(png, job->info);
     if (!plausible(job, height))
         png_error(png, "the file is cut short");
+    struct ap_error error = {{0}};
+    job->status = ap_image_create(&error, width, height, &job->image);
+    if (job->status)
+        png_error(png, error.text);
+    job->status = AP_INPUT;
+    if (is_grey_16(job)) {
+        read_grey_rows(job);
+        return;
+    }
     png_set_expand(png);
     png_set_scale_16(png);
     png_set_gray_to_rgb(png);
@@ -155,11 +223,6 @@ static void read_rows(struct png_job *job) {
     png_read_update_info(png, job->info);
     if (png_get_rowbytes(png, job->info) != (size_t)width * 3)
         png_error(png, "a kind of PNG that is not read here");
-    struct ap_error error = {{0}};
-    job->status = ap_image_create(&error, width, height, &job->image);
-    if (job->status)
-        png_error(png, error.text);
-    job->status = AP_INPUT;
     for (int pass = 0; pass < passes; pass++)
         for (uint32_t y = 0; y < height; y++)
             png_read_row(png, job->image.rgb + (size_t)y * width * 3, NULL);
@@ -193,7 +256,7 @@ enum ap_status ap_png_read(struct ap_error *err, const char *path, struct ap_ima
         goto out;
     }
     *image = job.image;
-    job.image.rgb = NULL;
+    job.image = (struct ap_image){0};
 out:
     ap_image_finish(&job.image);
     png_destroy_read_struct(&job.png, &job.info, NULL);

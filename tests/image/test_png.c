@@ -150,7 +150,7 @@ static uint32_t crc(const uint8_t *p, size_t n) {
 
 // Writes a small picture's file, changed, and expects a refusal that names it.
 static void refuse(const char *bytes, size_t n) {
-    struct ap_image in = {7, 7, NULL};
+    struct ap_image in = {.width = 7, .height = 7};
     struct ap_error err = {{0}};
     assert_int_equal(ap_file_write(NULL, at("bad.png"), bytes, n), AP_OK);
     assert_int_equal(ap_png_read(&err, at("bad.png"), &in), AP_INPUT);

@@ -297,7 +297,7 @@ static void arrangements(void **state) {
     sim_arrange(&pair, SIM_WINDOW_ANAGLYPH, out, &w, &h);
     assert_true(w == PAIR_W - SPLIT && h == PAIR_H);
     // As the pictures of `replay` have it.
-    struct ap_image left = {SPLIT - 1, PAIR_H, NULL}, right = left, want;
+    struct ap_image left = {.width = SPLIT - 1, .height = PAIR_H}, right = left, want;
     uint8_t l[2][3 * 2 * PAIR_H];
     for (uint32_t k = 0; k < 2 * PAIR_H; k++)
         for (int eye = 0; eye < 2; eye++)

@@ -96,3 +96,21 @@ mkdir "$work/p" "$work/q"
 expect 0 '' "$antipode" compare "$work/p" "$work/q"
 no_parts "$work"
 finish
+
+# Depths of 16 bits, PNG's or PAM's: all of them are compared, under the names that a capture gives.
+depth() { # FILE: two of them, the second by its two bytes in octal
+	printf 'P7\nWIDTH 2\nHEIGHT 1\nDEPTH 1\nMAXVAL 65535\nTUPLTYPE GRAYSCALE\nENDHDR\n\001\002'"$2" >"$1"
+}
+mkdir "$work/d" "$work/e"
+depth "$work/d/000000-layer0-depth-left.pam" '\200\001'
+depth "$work/e/000000-layer0-depth-left.pam" '\200\001'
+"$make" "$work/d/000000-layer0-front.png" 8 8 1
+"$make" "$work/e/000000-layer0-front.png" 8 8 1
+expect 0 '' "$antipode" compare "$work/d" "$work/e"
+says '^2 pairs: 2 the same'
+depth "$work/e/000000-layer0-depth-left.pam" '\200\002'
+expect 1 '' "$antipode" compare "$work/d" "$work/e"
+says '^000000-layer0-depth-left.pam: differs: PSNR 99.3[0-9]* dB, 1 pixels by up to 1, .* in 1x1 at 1,0$'
+expect 0 '' "$antipode" compare --min-psnr 99 "$work/d" "$work/e"
+rm "$work/e/000000-layer0-front.png"
+expect 1 '' "$antipode" compare --min-psnr 99 "$work/d" "$work/e"
