@@ -15,20 +15,7 @@ static const XrSwapchainUsageFlags known_usage =
 static const XrSwapchainCreateFlags known_flags =
     XR_SWAPCHAIN_CREATE_PROTECTED_CONTENT_BIT | XR_SWAPCHAIN_CREATE_STATIC_IMAGE_BIT;
 
-static VkImageAspectFlags aspect_of(VkFormat format) {
-    switch (format) {
-    case VK_FORMAT_D16_UNORM:
-    case VK_FORMAT_D32_SFLOAT:
-        return VK_IMAGE_ASPECT_DEPTH_BIT;
-    case VK_FORMAT_D24_UNORM_S8_UINT:
-    case VK_FORMAT_D32_SFLOAT_S8_UINT:
-        return VK_IMAGE_ASPECT_DEPTH_BIT | VK_IMAGE_ASPECT_STENCIL_BIT;
-    default:
-        return VK_IMAGE_ASPECT_COLOR_BIT;
-    }
-}
-
-static VkImageUsageFlags usage_of(XrSwapchainUsageFlags usage, bool depth) {
+static VkImageUsageFlags usage_of(XrSwapchainUsageFlags usage, bool depth, bool captured) {
     static const struct {
         XrSwapchainUsageFlags xr;
         VkImageUsageFlags vk;
@@ -46,6 +33,8 @@ static VkImageUsageFlags usage_of(XrSwapchainUsageFlags usage, bool depth) {
                                     : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
                                           VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                                           VK_IMAGE_USAGE_SAMPLED_BIT;
+    if (captured)
+        flags |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     for (size_t i = 0; i < sizeof map / sizeof *map; i++)
         if (usage & map[i].xr)
             flags |= map[i].vk;
@@ -109,14 +98,15 @@ static XrResult check_info(const struct sim_session *session, const XrSwapchainC
         return XR_ERROR_VALIDATION_FAILURE;
     if (info->createFlags & XR_SWAPCHAIN_CREATE_PROTECTED_CONTENT_BIT)
         return XR_ERROR_FEATURE_UNSUPPORTED;
-    bool depth = aspect_of((VkFormat)info->format) != VK_IMAGE_ASPECT_COLOR_BIT;
+    bool depth = ap_gpu_aspect((VkFormat)info->format) != VK_IMAGE_ASPECT_COLOR_BIT;
     if (info->usageFlags & (depth ? XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT
                                   : XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT))
         return XR_ERROR_FEATURE_UNSUPPORTED;
     return XR_SUCCESS;
 }
 
-static VkImageCreateInfo image_info(const XrSwapchainCreateInfo *info, bool depth) {
+static VkImageCreateInfo image_info(const struct sim_session *session,
+                                    const XrSwapchainCreateInfo *info, bool depth) {
     VkImageCreateFlags flags = 0;
     if (info->usageFlags & XR_SWAPCHAIN_USAGE_MUTABLE_FORMAT_BIT)
         flags |= VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT;
@@ -132,7 +122,7 @@ static VkImageCreateInfo image_info(const XrSwapchainCreateInfo *info, bool dept
         .arrayLayers = info->arraySize * info->faceCount,
         .samples = (VkSampleCountFlagBits)info->sampleCount,
         .tiling = VK_IMAGE_TILING_OPTIMAL,
-        .usage = usage_of(info->usageFlags, depth),
+        .usage = usage_of(info->usageFlags, depth, session->instance->settings.capture_layers),
     };
 }
 
@@ -201,9 +191,9 @@ XrResult XRAPI_CALL xrCreateSwapchain(XrSession handle, const XrSwapchainCreateI
         return result;
     if (!out)
         return XR_ERROR_VALIDATION_FAILURE;
-    VkImageAspectFlags aspect = aspect_of((VkFormat)info->format);
+    VkImageAspectFlags aspect = ap_gpu_aspect((VkFormat)info->format);
     bool depth = aspect != VK_IMAGE_ASPECT_COLOR_BIT;
-    VkImageCreateInfo image = image_info(info, depth);
+    VkImageCreateInfo image = image_info(session, info, depth);
     result = check_device(session, &image);
     if (result != XR_SUCCESS)
         return result;

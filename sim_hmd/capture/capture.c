@@ -126,15 +126,15 @@ void sim_capture_add(struct sim_capture *c, const struct sim_capture_job *job) {
     pthread_mutex_unlock(&c->lock);
 }
 
-void sim_capture_name(const struct sim_settings *settings, int64_t frame, int layer, int eye,
-                      char name[SIM_CAPTURE_NAME_MAX]) {
+void sim_capture_name(const struct sim_settings *settings, int64_t frame, int layer,
+                      enum sim_part part, char name[SIM_CAPTURE_NAME_MAX]) {
+    static const char *const parts[] = {"-left", "-right", "-depth-left", "-depth-right", "-right",
+                                        "-left", "-up",    "-down",       "-back",        "-front",
+                                        ""};
     char which[24] = "";
     if (layer >= 0)
         snprintf(which, sizeof which, "-layer%d", layer);
-    snprintf(name, SIM_CAPTURE_NAME_MAX, "%06" PRId64 "%s%s.%s", frame, which,
-             eye < 0    ? ""
-             : eye == 0 ? "-left"
-                        : "-right",
+    snprintf(name, SIM_CAPTURE_NAME_MAX, "%06" PRId64 "%s%s.%s", frame, which, parts[part],
              settings->capture_raw ? "pam" : "png");
 }
 
@@ -175,7 +175,7 @@ static enum ap_status write_through_lens(struct ap_error *err, const struct sim_
 enum ap_status sim_capture_write(struct ap_error *err, const struct sim_capture *c, int64_t frame,
                                  int eye, const struct ap_pixels *pixels) {
     char name[SIM_CAPTURE_NAME_MAX];
-    sim_capture_name(c->settings, frame, -1, eye, name);
+    sim_capture_name(c->settings, frame, -1, eye ? SIM_PART_RIGHT : SIM_PART_LEFT, name);
     return c->settings->capture_lens ? write_through_lens(err, c, name, eye, pixels)
                                      : write_picture(err, c, name, pixels, 0);
 }
@@ -184,9 +184,22 @@ enum ap_status sim_capture_write_layer(struct ap_error *err, const struct sim_ca
                                        const struct sim_capture_layer *which,
                                        const struct ap_pixels *pixels) {
     char name[SIM_CAPTURE_NAME_MAX];
-    sim_capture_name(c->settings, which->frame, which->layer, which->eye, name);
+    sim_capture_name(c->settings, which->frame, which->layer, which->part, name);
     return write_picture(err, c, name, pixels,
                          (which->alpha ? AP_PNG_ALPHA : 0u) | (which->linear ? AP_PNG_LINEAR : 0u));
+}
+
+enum ap_status sim_capture_write_depth(struct ap_error *err, const struct sim_capture *c,
+                                       const struct sim_capture_layer *which,
+                                       const struct ap_grey *depth) {
+    char name[SIM_CAPTURE_NAME_MAX];
+    sim_capture_name(c->settings, which->frame, which->layer, which->part, name);
+    char *path = ap_path_join(c->settings->capture_dir, name);
+    if (!path)
+        return ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    enum ap_status st = ap_grey_write(err, path, depth, c->settings->capture_raw);
+    free(path);
+    return st;
 }
 
 enum ap_status sim_capture_error(struct ap_error *err, struct sim_capture *c) {

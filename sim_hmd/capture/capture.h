@@ -28,10 +28,22 @@ void sim_capture_add(struct sim_capture *capture, const struct sim_capture_job *
 
 enum { SIM_CAPTURE_NAME_MAX = 64 };
 
+// What a picture is of. The first two are eyes' numbers, faces come in the order of a cube map's
+// layers.
+enum sim_part {
+    SIM_PART_LEFT,
+    SIM_PART_RIGHT,
+    SIM_PART_DEPTH_LEFT,
+    SIM_PART_DEPTH_RIGHT,
+    SIM_PART_FACE, // and five more: right (+x), left, up, down, back (+z), front
+    SIM_PART_ONLY = SIM_PART_FACE + 6, // a layer's one picture
+};
+
 // The name of a picture: NNNNNN-left.png, NNNNNN-layerK-right.png where layer is not negative,
-// NNNNNN-layerK.png where eye is negative, for a layer's one picture.
-void sim_capture_name(const struct sim_settings *settings, int64_t frame, int layer, int eye,
-                      char name[SIM_CAPTURE_NAME_MAX]);
+// NNNNNN-layerK.png of a layer's one picture, NNNNNN-layerK-depth-left.png,
+// NNNNNN-layerK-front.png.
+void sim_capture_name(const struct sim_settings *settings, int64_t frame, int layer,
+                      enum sim_part part, char name[SIM_CAPTURE_NAME_MAX]);
 
 // Writes an eye's composed picture into the folder, whole or not at all, through the lens where the
 // settings ask for it. From a job.
@@ -41,12 +53,18 @@ enum ap_status sim_capture_write(struct ap_error *err, const struct sim_capture 
 // A layer's, as it is. alpha: PNG keeps it (PAM always does); linear: the bytes are linear light.
 struct sim_capture_layer {
     int64_t frame;
-    int layer, eye;
+    int layer;
+    enum sim_part part;
     bool alpha, linear;
 };
 enum ap_status sim_capture_write_layer(struct ap_error *err, const struct sim_capture *capture,
                                        const struct sim_capture_layer *which,
                                        const struct ap_pixels *pixels);
+
+// A layer's depth.
+enum ap_status sim_capture_write_depth(struct ap_error *err, const struct sim_capture *capture,
+                                       const struct sim_capture_layer *which,
+                                       const struct ap_grey *depth);
 
 // The first failure of a job since the last call, AP_OK where there is none.
 enum ap_status sim_capture_error(struct ap_error *err, struct sim_capture *capture);

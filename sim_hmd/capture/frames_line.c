@@ -101,6 +101,10 @@ static void put_format(struct sim_line *line, VkFormat format) {
         {VK_FORMAT_R8G8B8A8_UNORM, "R8G8B8A8_UNORM"},
         {VK_FORMAT_B8G8R8A8_UNORM, "B8G8R8A8_UNORM"},
         {VK_FORMAT_R16G16B16A16_SFLOAT, "R16G16B16A16_SFLOAT"},
+        {VK_FORMAT_D16_UNORM, "D16_UNORM"},
+        {VK_FORMAT_D24_UNORM_S8_UINT, "D24_UNORM_S8_UINT"},
+        {VK_FORMAT_D32_SFLOAT, "D32_SFLOAT"},
+        {VK_FORMAT_D32_SFLOAT_S8_UINT, "D32_SFLOAT_S8_UINT"},
     };
     for (size_t k = 0; k < sizeof names / sizeof *names; k++)
         if (names[k].format == format) {
@@ -110,12 +114,30 @@ static void put_format(struct sim_line *line, VkFormat format) {
     put(line, "\"format\":\"%d\"", (int)format);
 }
 
+static void put_rect(struct sim_line *line, XrRect2Di r, uint32_t array_index) {
+    put(line, ",\"rect\":[%d,%d,%d,%d],\"array_index\":%u", r.offset.x, r.offset.y, r.extent.width,
+        r.extent.height, array_index);
+}
+
 // The swapchain and the part of it.
 static void put_image(struct sim_line *line, const struct sim_layer_view *v) {
     put_format(line, v->format);
     put(line, ",\"size\":[%u,%u],\"samples\":%u", v->width_px, v->height_px, v->samples);
-    put(line, ",\"rect\":[%d,%d,%d,%d],\"array_index\":%u", v->rect.offset.x, v->rect.offset.y,
-        v->rect.extent.width, v->rect.extent.height, v->array_layer);
+    put_rect(line, v->rect, v->array_layer);
+}
+
+static void put_depth(struct sim_line *line, const struct sim_layer_depth *d) {
+    const double range[2] = {(double)d->min, (double)d->max};
+    const double near_far[2] = {(double)d->near_m, (double)d->far_m};
+    put(line, ",\"depth\":{");
+    put_format(line, d->format);
+    put(line, ",\"size\":[%u,%u],\"samples\":%u", d->width_px, d->height_px, d->samples);
+    put_rect(line, d->rect, d->array_layer);
+    put(line, ",");
+    put_numbers(line, "range", range, 2);
+    put(line, ",");
+    put_numbers(line, "near_far_m", near_far, 2);
+    put(line, "}");
 }
 
 static void put_flags(struct sim_line *line, XrCompositionLayerFlags flags) {
@@ -164,6 +186,8 @@ static void put_view(struct sim_line *line, const struct sim_layer_view *v, bool
         put(line, ",");
     }
     put_image(line, v);
+    if (v->depth.image)
+        put_depth(line, &v->depth);
     put(line, "}");
 }
 
@@ -187,9 +211,9 @@ static void put_layer(struct sim_line *line, const XrCompositionLayerBaseHeader 
 }
 
 static void put_file(struct sim_line *line, const struct sim_settings *s, int64_t frame, int layer,
-                     int eye, const char **comma) {
+                     enum sim_part part, const char **comma) {
     char name[SIM_CAPTURE_NAME_MAX];
-    sim_capture_name(s, frame, layer, eye, name);
+    sim_capture_name(s, frame, layer, part, name);
     put(line, "%s\"%s\"", *comma, name);
     *comma = ",";
 }
@@ -200,13 +224,13 @@ static void put_files(struct sim_line *line, const struct sim_settings *s,
     const char *comma = "";
     put(line, "\"files\":[");
     for (int eye = 0; eye < 2 && l->captured && s->capture_composed; eye++)
-        put_file(line, s, f->index, -1, eye, &comma);
-    for (int k = 0; k < (int)f->layer_count && l->captured && s->capture_layers; k++)
-        for (int eye = 0; eye < 2; eye++) {
-            int name_eye;
-            if (sim_layer_capture_has(&f->layer[k], eye, &name_eye))
-                put_file(line, s, f->index, k, name_eye, &comma);
-        }
+        put_file(line, s, f->index, -1, eye ? SIM_PART_RIGHT : SIM_PART_LEFT, &comma);
+    for (int k = 0; k < (int)f->layer_count && l->captured && s->capture_layers; k++) {
+        enum sim_part parts[SIM_LAYER_PARTS_MAX];
+        int count = sim_layer_capture_parts(&f->layer[k], parts);
+        for (int i = 0; i < count; i++)
+            put_file(line, s, f->index, k, parts[i], &comma);
+    }
     put(line, "]");
 }
 

@@ -3,18 +3,23 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-#include "sim_hmd/capture/capture.h"
+#include "sim_hmd/capture/depth.h"
 
-enum { SLOTS = 4, WRITERS = 2, MAX_PICTURES = 2 * SIM_MAX_LAYERS };
+enum { SLOTS = 4, WRITERS = 2, MAX_PICTURES = SIM_LAYER_PARTS_MAX * SIM_MAX_LAYERS };
 
 // Read-back memory of all slots together; one frame alone may take more.
 static const VkDeviceSize SLOT_BYTES = 256u << 20;
 
+// A picture, and where the program has it.
 struct picture {
     struct sim_capture_layer which;
-    VkDeviceSize offset;
+    VkImage image;
+    VkFormat format;
+    uint32_t samples, array_layer;
+    VkOffset3D from;
     uint32_t width_px, height_px;
-    bool bgra;
+    float min, max;      // a depth's range
+    VkDeviceSize offset; // in the slot's buffer
 };
 
 struct slot {
@@ -39,12 +44,62 @@ struct sim_layer_capture {
     struct sim_capture *writers;
 };
 
-bool sim_layer_capture_has(const struct sim_layer *layer, int eye, int *name_eye) {
-    *name_eye = layer->kind == SIM_LAYER_PROJECTION ? eye : -1;
-    return layer->kind == SIM_LAYER_PROJECTION || (eye == 0 && layer->kind != SIM_LAYER_CUBE);
+int sim_layer_capture_parts(const struct sim_layer *layer,
+                            enum sim_part parts[SIM_LAYER_PARTS_MAX]) {
+    int count = 0;
+    if (layer->kind == SIM_LAYER_CUBE) {
+        for (; count < 6; count++)
+            parts[count] = (enum sim_part)(SIM_PART_FACE + count);
+        return count;
+    }
+    if (layer->kind != SIM_LAYER_PROJECTION) {
+        parts[count++] = SIM_PART_ONLY;
+        return count;
+    }
+    parts[count++] = SIM_PART_LEFT;
+    parts[count++] = SIM_PART_RIGHT;
+    for (int eye = 0; eye < 2; eye++)
+        if (layer->view[eye].depth.image && layer->view[eye].depth.samples == 1)
+            parts[count++] = eye ? SIM_PART_DEPTH_RIGHT : SIM_PART_DEPTH_LEFT;
+    return count;
+}
+
+static bool is_depth(const struct picture *p) {
+    return p->which.part == SIM_PART_DEPTH_LEFT || p->which.part == SIM_PART_DEPTH_RIGHT;
+}
+
+static bool is_bgra(VkFormat format) {
+    return format == VK_FORMAT_B8G8R8A8_SRGB || format == VK_FORMAT_B8G8R8A8_UNORM;
+}
+
+static bool is_linear(VkFormat format) {
+    return format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_B8G8R8A8_UNORM;
 }
 
 // ---- Jobs: on the writers' threads
+
+static enum ap_status write_depth(struct ap_error *err, const struct sim_layer_capture *c,
+                                  const struct picture *p, const void *texels) {
+    size_t count = (size_t)p->width_px * p->height_px;
+    uint16_t *values = malloc(count * sizeof *values);
+    if (!values)
+        return ap_fail(err, AP_ENVIRONMENT, "no memory for a depth of %ux%u pixels", p->width_px,
+                       p->height_px);
+    sim_depth_values(texels, p->format, count, p->min, p->max, values);
+    enum ap_status st = sim_capture_write_depth(
+        err, c->writers, &p->which, &(struct ap_grey){values, p->width_px, p->height_px});
+    free(values);
+    return st;
+}
+
+static enum ap_status write_picture(struct ap_error *err, const struct sim_layer_capture *c,
+                                    const struct picture *p, const uint8_t *texels) {
+    if (is_depth(p))
+        return write_depth(err, c, p, texels);
+    struct ap_pixels pixels = {texels, p->width_px, p->height_px, (size_t)p->width_px * 4,
+                               is_bgra(p->format)};
+    return sim_capture_write_layer(err, c->writers, &p->which, &pixels);
+}
 
 static enum ap_status run_job(struct ap_error *err, void *user, int what) {
     struct slot *slot = user;
@@ -53,11 +108,8 @@ static enum ap_status run_job(struct ap_error *err, void *user, int what) {
     enum ap_status st =
         ap_vk_check(err, vkWaitForFences(c->gpu->device, 1, &slot->fence, VK_TRUE, UINT64_MAX),
                     "a layer's picture was not finished: vkWaitForFences");
-    if (!st) {
-        struct ap_pixels pixels = {(const uint8_t *)slot->buffer.mapped + p->offset, p->width_px,
-                                   p->height_px, (size_t)p->width_px * 4, p->bgra};
-        st = sim_capture_write_layer(err, c->writers, &p->which, &pixels);
-    }
+    if (!st)
+        st = write_picture(err, c, p, (const uint8_t *)slot->buffer.mapped + p->offset);
     pthread_mutex_lock(&c->lock);
     if (--slot->pending == 0)
         pthread_cond_signal(&c->freed);
@@ -116,7 +168,6 @@ static enum ap_status make_buffer(struct ap_error *err, const struct ap_gpu *gpu
 // ---- What is to be read back
 
 struct plan {
-    const struct sim_layer_view *view[MAX_PICTURES];
     struct picture picture[MAX_PICTURES];
     uint32_t count;
     VkDeviceSize bytes;
@@ -127,49 +178,84 @@ static bool eight_bits(VkFormat format) {
            format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_B8G8R8A8_UNORM;
 }
 
-static void add_picture(struct plan *plan, const struct sim_frame *frame, int layer, int eye,
-                        int name_eye) {
+static struct picture depth_picture(const struct sim_layer_depth *d) {
+    return (struct picture){.image = d->image,
+                            .format = d->format,
+                            .samples = d->samples,
+                            .array_layer = d->array_layer,
+                            .from = {d->rect.offset.x, d->rect.offset.y, 0},
+                            .width_px = (uint32_t)d->rect.extent.width,
+                            .height_px = (uint32_t)d->rect.extent.height,
+                            .min = d->min,
+                            .max = d->max};
+}
+
+static struct picture colour_picture(const struct sim_layer_view *v, uint32_t face) {
+    return (struct picture){.image = v->image,
+                            .format = v->format,
+                            .samples = v->samples,
+                            .array_layer = v->array_layer + face,
+                            .from = {v->rect.offset.x, v->rect.offset.y, 0},
+                            .width_px = (uint32_t)v->rect.extent.width,
+                            .height_px = (uint32_t)v->rect.extent.height};
+}
+
+static struct picture picture_of(const struct sim_layer *layer, enum sim_part part) {
+    switch (part) {
+    case SIM_PART_LEFT:
+    case SIM_PART_RIGHT:
+        return colour_picture(&layer->view[part], 0);
+    case SIM_PART_DEPTH_LEFT:
+    case SIM_PART_DEPTH_RIGHT:
+        return depth_picture(&layer->view[part - SIM_PART_DEPTH_LEFT].depth);
+    case SIM_PART_ONLY:
+        return colour_picture(&layer->view[0], 0);
+    default:
+        return colour_picture(&layer->view[0], (uint32_t)(part - SIM_PART_FACE));
+    }
+}
+
+static void add_picture(struct plan *plan, const struct sim_frame *frame, int layer,
+                        enum sim_part part) {
     const struct sim_layer *l = &frame->layer[layer];
-    const struct sim_layer_view *view = &l->view[eye];
-    struct picture *p = &plan->picture[plan->count];
-    plan->view[plan->count++] = view;
-    *p = (struct picture){.offset = plan->bytes,
-                          .width_px = (uint32_t)view->rect.extent.width,
-                          .height_px = (uint32_t)view->rect.extent.height,
-                          .bgra = view->format == VK_FORMAT_B8G8R8A8_SRGB ||
-                                  view->format == VK_FORMAT_B8G8R8A8_UNORM};
+    struct picture *p = &plan->picture[plan->count++];
+    *p = picture_of(l, part);
+    p->offset = plan->bytes;
     p->which = (struct sim_capture_layer){.frame = frame->index,
                                           .layer = layer,
-                                          .eye = name_eye,
+                                          .part = part,
                                           .alpha = l->blend_alpha,
-                                          .linear = view->format == VK_FORMAT_R8G8B8A8_UNORM ||
-                                                    view->format == VK_FORMAT_B8G8R8A8_UNORM};
-    plan->bytes += (VkDeviceSize)p->width_px * p->height_px * 4;
+                                          .linear = is_linear(p->format)};
+    VkDeviceSize texel = is_depth(p) ? sim_depth_texel_bytes(p->format) : 4;
+    plan->bytes += (texel * p->width_px * p->height_px + 3) & ~(VkDeviceSize)3;
 }
 
 static void make_plan(const struct sim_frame *frame, struct plan *plan) {
     plan->count = 0;
     plan->bytes = 0;
-    for (int layer = 0; layer < (int)frame->layer_count; layer++)
-        for (int eye = 0; eye < 2; eye++) {
-            int name_eye;
-            if (sim_layer_capture_has(&frame->layer[layer], eye, &name_eye))
-                add_picture(plan, frame, layer, eye, name_eye);
-        }
+    for (int layer = 0; layer < (int)frame->layer_count; layer++) {
+        enum sim_part parts[SIM_LAYER_PARTS_MAX];
+        int count = sim_layer_capture_parts(&frame->layer[layer], parts);
+        for (int k = 0; k < count; k++)
+            add_picture(plan, frame, layer, parts[k]);
+    }
 }
 
 // ---- Commands
 
 static void turn_images(VkCommandBuffer cmd, const struct plan *plan, bool back) {
-    const VkImageLayout released = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     const VkImageLayout source = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     for (uint32_t k = 0; k < plan->count; k++) {
+        const struct picture *p = &plan->picture[k];
+        const VkImageLayout released = is_depth(p)
+                                           ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL
+                                           : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
         bool seen = false;
         for (uint32_t i = 0; i < k; i++)
-            seen |= plan->view[i]->image == plan->view[k]->image;
+            seen |= plan->picture[i].image == p->image;
         if (!seen)
-            ap_gpu_barrier(cmd, plan->view[k]->image, VK_IMAGE_ASPECT_COLOR_BIT,
-                           back ? source : released, back ? released : source);
+            ap_gpu_barrier(cmd, p->image, ap_gpu_aspect(p->format), back ? source : released,
+                           back ? released : source);
     }
 }
 
@@ -249,20 +335,19 @@ static enum ap_status convert(struct ap_error *err, const struct ap_gpu *gpu, st
 }
 
 static enum ap_status record_picture(struct ap_error *err, const struct ap_gpu *gpu,
-                                     struct slot *slot, const struct sim_layer_view *view,
-                                     const struct picture *p) {
-    struct source source = {
-        view->image, view->array_layer, {view->rect.offset.x, view->rect.offset.y, 0}};
+                                     struct slot *slot, const struct picture *p) {
+    struct source source = {p->image, p->array_layer, p->from};
     enum ap_status st = AP_OK;
-    if (view->samples > 1)
-        st = resolve(err, gpu, slot, view->format, p, &source);
-    if (!st && !eight_bits(view->format))
+    if (p->samples > 1)
+        st = resolve(err, gpu, slot, p->format, p, &source);
+    if (!st && !is_depth(p) && !eight_bits(p->format))
         st = convert(err, gpu, slot, p, &source);
     if (st)
         return st;
     VkBufferImageCopy region = {
         .bufferOffset = p->offset,
-        .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, source.array_layer, 1},
+        .imageSubresource = {is_depth(p) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, 0,
+                             source.array_layer, 1},
         .imageOffset = source.offset,
         .imageExtent = {p->width_px, p->height_px, 1}};
     vkCmdCopyImageToBuffer(slot->cmd, source.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
@@ -280,7 +365,7 @@ static enum ap_status record(struct ap_error *err, const struct ap_gpu *gpu, str
         return st;
     turn_images(slot->cmd, plan, false);
     for (uint32_t k = 0; k < plan->count && !st; k++)
-        st = record_picture(err, gpu, slot, plan->view[k], &plan->picture[k]);
+        st = record_picture(err, gpu, slot, &plan->picture[k]);
     if (st)
         return st;
     turn_images(slot->cmd, plan, true);

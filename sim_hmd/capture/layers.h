@@ -1,6 +1,7 @@
 #ifndef ANTIPODE_SIM_HMD_CAPTURE_LAYERS_H
 #define ANTIPODE_SIM_HMD_CAPTURE_LAYERS_H
 
+#include "sim_hmd/capture/capture.h"
 #include "sim_hmd/compose/frame.h"
 
 // Reads back what the program submitted, each layer's pictures as they are, beside whatever the
@@ -18,9 +19,11 @@ enum ap_status sim_layer_capture_create(struct ap_error *err, const struct ap_gp
 enum ap_status sim_layer_capture_frame(struct ap_error *err, struct sim_layer_capture *capture,
                                        const struct sim_frame *frame);
 
-// True where the layer gives a picture for this eye, and under which eye it goes: of a layer of one
-// picture only the first is written, under eye −1. A cube gives none.
-bool sim_layer_capture_has(const struct sim_layer *layer, int eye, int *name_eye);
+// The pictures that a layer gives, and how many they are: a projection's two and the depths that
+// came with them, a cube's six faces, any other layer's one. Not depths of several samples.
+enum { SIM_LAYER_PARTS_MAX = 6 };
+int sim_layer_capture_parts(const struct sim_layer *layer,
+                            enum sim_part parts[SIM_LAYER_PARTS_MAX]);
 
 // Waits until every picture is on disk; reports what failed since the last call.
 enum ap_status sim_layer_capture_flush(struct ap_error *err, struct sim_layer_capture *capture);

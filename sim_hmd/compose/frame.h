@@ -27,6 +27,17 @@ enum sim_layer_kind {
     SIM_LAYER_CUBE,     // a cube map, infinitely far
 };
 
+// A projection view's depth, as submitted: released like the colours, in
+// VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL. Nothing is composed with it.
+struct sim_layer_depth {
+    VkImage image; // VK_NULL_HANDLE: none came with the view
+    VkFormat format;
+    uint32_t width_px, height_px, samples, array_layer;
+    XrRect2Di rect;
+    float min, max;      // of the values that were written, 0 ≤ min < max ≤ 1
+    float near_m, far_m; // their distances; far may be the nearer one, and infinite
+};
+
 // One eye's picture of a layer. The image is released by the program, so it is in
 // VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL and must be in it again afterwards; its usage includes
 // TRANSFER_SRC and SAMPLED. The queue's earlier submissions write it: a submission on the same
@@ -46,6 +57,7 @@ struct sim_layer_view {
     // The pose is the display's pose of that eye to float rounding and the fov is its very floats:
     // with a rect of the eye's resolution the picture is copied bit for bit.
     bool at_display;
+    struct sim_layer_depth depth; // a projection's
 };
 
 struct sim_layer {

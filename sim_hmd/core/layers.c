@@ -96,15 +96,16 @@ SIM_HOT static XrResult resolve_pose(XrPosef pose, struct ap_pose stage_from_spa
 
 // ---- Projections
 
-// A projection's depth is verified, and that is all: nothing is reprojected by place.
-SIM_HOT static XrResult check_depth(struct sim_session *session,
-                                    const XrCompositionLayerProjectionView *view) {
+// A projection's depth is verified and captured, and that is all: nothing is reprojected by place.
+SIM_HOT static XrResult resolve_depth(struct sim_session *session,
+                                      const XrCompositionLayerProjectionView *view,
+                                      struct sim_layer_depth *out) {
     const XrCompositionLayerDepthInfoKHR *depth =
         sim_chained(view, XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR);
     if (!depth || !session->instance->enabled[SIM_KHR_composition_layer_depth])
         return XR_SUCCESS;
-    struct sim_layer_view ignored;
-    XrResult result = resolve_sub_image(&depth->subImage, session, true, &ignored);
+    struct sim_layer_view image;
+    XrResult result = resolve_sub_image(&depth->subImage, session, true, &image);
     if (result != XR_SUCCESS)
         return result;
     // The comparisons are false for NaN.
@@ -116,6 +117,17 @@ SIM_HOT static XrResult check_depth(struct sim_session *session,
             "farZ positive and different",
             "minDepth %g, maxDepth %g, nearZ %g, farZ %g", (double)depth->minDepth,
             (double)depth->maxDepth, (double)depth->nearZ, (double)depth->farZ);
+    *out = (struct sim_layer_depth){.image = image.image,
+                                    .format = image.format,
+                                    .width_px = image.width_px,
+                                    .height_px = image.height_px,
+                                    .samples = image.samples,
+                                    .array_layer = image.array_layer,
+                                    .rect = image.rect,
+                                    .min = depth->minDepth,
+                                    .max = depth->maxDepth,
+                                    .near_m = depth->nearZ,
+                                    .far_m = depth->farZ};
     return XR_SUCCESS;
 }
 
@@ -135,7 +147,7 @@ SIM_HOT static XrResult resolve_view(struct sim_session *session, const struct s
     out->fov = in->fov;
     out->at_display = same_fov(in->fov, frame->fov[eye]) &&
                       same_pose(out->stage_from_view, frame->stage_from_eye[eye]);
-    return check_depth(session, in);
+    return resolve_depth(session, in, &out->depth);
 }
 
 SIM_HOT static XrResult resolve_projection(const struct in *in, struct sim_layer *out) {

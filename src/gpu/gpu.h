@@ -82,6 +82,9 @@ enum ap_status ap_gpu_commands_begin(struct ap_error *err, const struct ap_gpu *
 enum ap_status ap_gpu_commands_end(struct ap_error *err, const struct ap_gpu *gpu,
                                    VkCommandBuffer cmd);
 
+// What a barrier for an image of this format names: colour, depth, or depth and stencil.
+VkImageAspectFlags ap_gpu_aspect(VkFormat format);
+
 // A whole image (all mips and layers), after everything before and before everything after, the
 // host's reads included.
 void ap_gpu_barrier(VkCommandBuffer cmd, VkImage image, VkImageAspectFlags aspect,

@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include "sim_hmd/capture/capture.h"
+#include "sim_hmd/capture/depth.h"
 #include "src/base/file.h"
 
 static char folder[] = "/tmp/antipode-capture-XXXXXX";
@@ -132,14 +133,35 @@ static void bad_folder(void **state) {
     assert_null(c);
 }
 
+// Each format's texels; the bits that D24 leaves undefined do not count.
+static void depth_texels(void **state) {
+    (void)state;
+    static const uint16_t d16[] = {0, 1, 40000, 65535};
+    static const uint32_t d24[] = {0xab000000, 0xff7fffff, 0x00ffffff, 256};
+    static const float d32[] = {0.5f, -1, 1.0f / 65535, 1.5f};
+    uint16_t got[4];
+    sim_depth_values(d16, VK_FORMAT_D16_UNORM, 4, 0, 1, got);
+    assert_memory_equal(got, d16, sizeof got);
+    const uint16_t want24[] = {0, 32767, 65535, 1};
+    sim_depth_values(d24, VK_FORMAT_D24_UNORM_S8_UINT, 4, 0, 1, got);
+    assert_memory_equal(got, want24, sizeof got);
+    const uint16_t want32[] = {32768, 0, 1, 65535};
+    sim_depth_values(d32, VK_FORMAT_D32_SFLOAT_S8_UINT, 4, 0, 1, got);
+    assert_memory_equal(got, want32, sizeof got);
+    const uint16_t half[] = {0, 0, 14465, 65535}; // of 40000/65535 from 1/2 to 1
+    sim_depth_values(d16, VK_FORMAT_D16_UNORM, 4, 0.5f, 1, got);
+    assert_memory_equal(got, half, sizeof got);
+    assert_int_equal(sim_depth_texel_bytes(VK_FORMAT_D16_UNORM), 2);
+    assert_int_equal(sim_depth_texel_bytes(VK_FORMAT_D24_UNORM_S8_UINT), 4);
+}
+
 int main(void) {
     if (!mkdtemp(folder))
         return 1;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_job_runs),
-        cmocka_unit_test(first_error_once),
-        cmocka_unit_test(full_disk),
-        cmocka_unit_test(bad_folder),
+        cmocka_unit_test(every_job_runs), cmocka_unit_test(first_error_once),
+        cmocka_unit_test(full_disk),      cmocka_unit_test(bad_folder),
+        cmocka_unit_test(depth_texels),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     rmdir(folder);
