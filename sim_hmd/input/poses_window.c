@@ -1,3 +1,4 @@
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,11 +14,13 @@ struct player {
     struct ap_vec3 hand_m[2]; // in the head's upright frame
     double mouse_x_px, mouse_y_px, wheel;
     uint32_t keys;
+    double push_s; // how long the wheel still pushes the right stick, forward or back
 };
 
 static const double WALK_M_PER_S = 1.4, SLOW_FACTOR = 0.25;
 static const double TURN_RAD_PER_PX = 0.003, HAND_M_PER_PX = 0.001, REACH_M_PER_NOTCH = 0.02;
 static const double MAX_PITCH_RAD = 1.5;
+static const double PUSH_S_PER_NOTCH = 0.1, LONGEST_PUSH_S = 0.5;
 
 static enum ap_status create(struct ap_error *err, const struct sim_settings *settings,
                              void **state) {
@@ -69,6 +72,11 @@ static void step(void *state, const struct sim_window_input *input, double step_
         player->pitch_rad =
             clamp(player->pitch_rad - dy * TURN_RAD_PER_PX, -MAX_PITCH_RAD, MAX_PITCH_RAD);
     }
+    // With the right button down, as programs use a stick while they aim.
+    bool pushes = !held && (input->keys & SIM_KEY_SQUEEZE);
+    double still_s = fmax(0, fabs(player->push_s) - step_s);
+    player->push_s = pushes ? copysign(still_s, player->push_s) + notches * PUSH_S_PER_NOTCH : 0;
+    player->push_s = clamp(player->push_s, -LONGEST_PUSH_S, LONGEST_PUSH_S);
     double speed = WALK_M_PER_S * (input->keys & SIM_KEY_SLOW ? SLOW_FACTOR : 1);
     struct ap_vec3 go = {axis(input->keys, SIM_KEY_LEFT, SIM_KEY_RIGHT),
                          axis(input->keys, SIM_KEY_DOWN, SIM_KEY_UP),
@@ -135,6 +143,8 @@ static bool stick_component(const struct player *player, const char *path, int t
         const struct stick *s = &sticks[top == SIM_TOP_RIGHT];
         float x = (float)axis(player->keys, s->left, s->right);
         float y = (float)axis(player->keys, s->down, s->up);
+        if (top == SIM_TOP_RIGHT && player->push_s != 0)
+            y = player->push_s > 0 ? 1 : -1;
         const char *of = path + length;
         if (*of && strcmp(of, "/x") != 0 && strcmp(of, "/y") != 0)
             return false;

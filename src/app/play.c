@@ -20,7 +20,9 @@ static const char help[] =
     "The room, live: on the OpenXR runtime that is active on this machine, or, where none is (or\n"
     "with --simulated), in the simulated headset's window. There WASD, Q and E move the head and the\n"
     "mouse turns it; hold 1 or 2 to move the left or right hand instead; left and right mouse button\n"
-    "are trigger and squeeze. M (a controller's menu button) opens the menu: settings, and what every\n"
+    "are trigger and squeeze. The balls are struck with the cue in both hands; or hold the right squeeze\n"
+    "(right mouse button), look where the cue ball is to go, and pull the trigger (docs/play.md). The\n"
+    "game is kept, and goes on at the next start (--new-game begins anew). M (a controller's menu button) opens the menu: settings, and what every\n"
     "button does; what is chosen there is kept in $XDG_CONFIG_HOME/antipode/play.json. Y on a left\n"
     "controller switches between native and tourist view, B on a right one shuts an eye, the other,\n"
     "neither; the left stick pressed (F12) takes a picture of both eyes. Ctrl-C or closing the window\n"
@@ -42,11 +44,12 @@ static bool end_asked(void) {
 
 struct play_options {
     struct ap_room_options room;
+    const char *game, *lines, *record;
     const char *room_file, *headset, *stereo, *pictures, *clock;
     struct ap_live_options live;
     bool no_devices;
     struct ap_text_list inputs;
-    bool simulated, no_window, older_vulkan, stats, no_settings;
+    bool new_game, simulated, no_window, older_vulkan, stats, no_settings;
     double seconds;
 };
 
@@ -105,6 +108,7 @@ static void say_stats(const struct ap_play *play, int64_t start_ns) {
     double seconds = (double)(ap_clock_now_ns() - start_ns) * 1e-9;
     printf("%lld frames in %.2f s, %lld drawn\n", (long long)stats.frames, seconds,
            (long long)stats.drawn);
+    printf("%lld strikes of the cue\n", (long long)stats.strikes);
     ap_play_say_detail(play);
 }
 
@@ -128,8 +132,14 @@ static enum ap_status play_it(struct ap_error *err, const struct play_options *o
     struct ap_play *play = NULL;
     char simulated_path[64] = "", *settings_path = NULL;
     bool simulated;
-    struct ap_play_params params = {
-        .room = o->room, .pictures = o->pictures, .older_vulkan = o->older_vulkan};
+    struct ap_play_params params = {.room = o->room,
+                                    .game = o->game,
+                                    .lines = o->lines,
+                                    .record = o->record,
+                                    .keep_game = !o->no_settings,
+                                    .new_game = o->new_game,
+                                    .pictures = o->pictures,
+                                    .older_vulkan = o->older_vulkan};
     enum ap_status st = read_settings(err, o, &params.settings, &settings_path);
     if (!st)
         st = choose_runtime(err, o, logs, log_count, simulated_path, &simulated);
@@ -166,6 +176,11 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         {"no-devices", AP_OPTION_FLAG, &o.no_devices, "", "not what is plugged in, but the keys"},
         {"room", AP_OPTION_TEXT, &o.room_file, "FILE",
          "table's place, height and edge as calibrated"},
+        {"game", AP_OPTION_CHOICE, &o.game, "free|eight-ball|nine-ball|none",
+         "what is played (default: the settings', free)"},
+        {"new-game", AP_OPTION_FLAG, &o.new_game, "", "do not go on with the game that is kept"},
+        {"lines", AP_OPTION_CHOICE, &o.lines, "on|off", "the path of the next shot (off)"},
+        {"record", AP_OPTION_TEXT, &o.record, "DIR", "write the session down, to be replayed"},
         {"headset", AP_OPTION_TEXT, &o.headset, "FILE", "profile of the simulated headset"},
         {"stereo", AP_OPTION_CHOICE, &o.stereo, "pair|cross|anaglyph",
          "both eyes in the window (default: the left one)"},
@@ -176,7 +191,8 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         {"no-window", AP_OPTION_FLAG, &o.no_window, "", "no window: poses from the scripted walk"},
         {"clock", AP_OPTION_CHOICE, &o.clock, "real|virtual",
          "of the simulated headset; virtual: every frame, however long it takes"},
-        {"no-settings", AP_OPTION_FLAG, &o.no_settings, "", "do not read nor keep the settings"},
+        {"no-settings", AP_OPTION_FLAG, &o.no_settings, "",
+         "do not read nor keep settings and game"},
         {"older-vulkan", AP_OPTION_FLAG, &o.older_vulkan, "",
          "XR_KHR_vulkan_enable, where the runtime's _enable2 does not work"},
         {"seconds", AP_OPTION_NUMBER, &o.seconds, "S", "end after so long"},

@@ -28,7 +28,7 @@ static const char help[] =
 struct options {
     struct ap_room_options room;
     struct ap_log_options logs;
-    const char *headset, *frames, *dir, *game, *shots;
+    const char *headset, *frames, *dir, *game, *shots, *saved;
     double pictures; // NAN: as --frames says
     bool force, stats;
 };
@@ -189,8 +189,11 @@ static void print_stats(const struct ap_replay *replay) {
 
 static enum ap_status save_game(struct ap_error *err, const struct ap_replay *replay) {
     char *path = ap_path_join(replay->dir, "game.json");
-    enum ap_status st = path ? ap_game_save(err, &replay->play->game, path)
-                             : ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    enum ap_status st = path ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "out of memory");
+    if (!st && !replay->interrupted)
+        st = ap_table_play_finish(err, replay->play);
+    if (!st)
+        st = ap_game_save(err, &replay->play->game, path);
     free(path);
     return st;
 }
@@ -247,9 +250,9 @@ static enum ap_status open_replay(struct ap_error *err, const struct options *o,
     enum ap_status st = read_headset(err, o->headset, &replay->headset);
     if (!st)
         st = ap_room_open(err, &o->room, &replay->room);
-    if (!st && (o->game || o->shots))
-        st = ap_table_play_open(err, replay->room.scene, o->game ? o->game : "free", o->shots,
-                                &replay->play);
+    const struct ap_table_play_params play = {o->game, o->shots, o->saved};
+    if (!st && (o->game || o->shots || o->saved))
+        st = ap_table_play_open(err, replay->room.scene, &play, &replay->play);
     if (!st)
         st = read_timeline(err, &o->logs, logs, log_count, &replay->timeline);
     if (st)
@@ -274,6 +277,7 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
         {"game", AP_OPTION_CHOICE, &o.game, "free|eight-ball|nine-ball",
          "play: the balls move, DIR/game.json is the game at the end"},
         {"shots", AP_OPTION_TEXT, &o.shots, "FILE", "a script of shots (docs/billiards.md)"},
+        {"saved", AP_OPTION_TEXT, &o.saved, "FILE", "go on with a saved game"},
         AP_LOG_OPTION_TABLE(o.logs),
         {"stats", AP_OPTION_FLAG, &o.stats, "", "say what was drawn, skipped and how long it took"},
     };

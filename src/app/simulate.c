@@ -84,7 +84,7 @@ static void put_line(void *data, const struct ap_shot_line *line) {
         put_row(&run->game.physics, run->game.physics.now_s, "start", 0, -1, 0);
     else if (line->kind == AP_LINE_BALL)
         put_row(&run->game.physics, run->game.physics.now_s, "start", line->ball, -1, 0);
-    else if (line->kind == AP_LINE_UNDO)
+    else if (line->kind == AP_LINE_UNDO || line->kind == AP_LINE_RACK)
         put_all(run, "start");
 }
 

@@ -21,6 +21,23 @@ enum ap_status ap_game_start(struct ap_error *err, const struct ap_game_params *
     return AP_OK;
 }
 
+enum ap_status ap_game_rack(struct ap_error *err, struct ap_game *g) {
+    struct ap_physics physics = g->physics;
+    physics.told_count = physics.told_next = 0;
+    for (int i = 0; i < physics.ball_count; i++)
+        ap_physics_remove(&physics, i);
+    enum ap_status st = ap_rack_set(err, &physics, g->rules.kind);
+    if (st)
+        return st;
+    physics.changed_s = physics.now_s;
+    g->physics = physics;
+    g->rules = ap_rules_start(g->rules.kind, g->rules.sides);
+    g->verdict = (struct ap_verdict){.what = "", .spot = -1};
+    g->shooting = false;
+    g->shots = g->undo_count = 0;
+    return AP_OK;
+}
+
 static bool cue_on_table(const struct ap_game *g) {
     return g->physics.ball[0].state != AP_BALL_POCKETED;
 }

@@ -41,6 +41,10 @@ struct ap_game {
 enum ap_status ap_game_start(struct ap_error *err, const struct ap_game_params *params,
                              struct ap_game *game);
 
+// The same game racked anew, also in the middle of a shot; its time goes on. Nothing can be taken
+// back then. AP_INPUT: see ap_rack_set.
+enum ap_status ap_game_rack(struct ap_error *err, struct ap_game *game);
+
 // The cue ball in hand. AP_INPUT: it is not in hand, a shot is on its way, or no place for it
 // there; at the break it stands behind the head line.
 enum ap_status ap_game_place(struct ap_error *err, struct ap_game *game, struct ap_plane2 at_m);

@@ -152,9 +152,12 @@ struct ap_strike {
 enum ap_status ap_physics_strike(struct ap_error *err, struct ap_physics *physics, int ball,
                                  const struct ap_strike *strike);
 
-// The direction whose geodesic from ball a's foot leads over ball b's foot; and an angle
+// The direction whose geodesic from ball a's foot leads over ball b's foot (over a point of the
+// plane; zero where that is the foot itself); and an angle
 // counterclockwise from above, 0 along the world's −z carried in parallel from the centre.
 struct ap_plane3 ap_physics_toward(const struct ap_physics *physics, int a, int b);
+struct ap_plane3 ap_physics_toward_point(const struct ap_physics *physics, int ball,
+                                         struct ap_plane3 point_m);
 struct ap_plane3 ap_physics_heading(const struct ap_physics *physics, int ball, double angle_rad);
 
 // Goes to the next event at or before until_s, does it and tells it; false: none, now_s is until_s.

@@ -52,7 +52,7 @@ static const struct key shot_keys[] = {WHOLE("at", ball),
                                        {NULL, 0, false}};
 static const struct key place_keys[] = {
     KEY("x", x_m), KEY("z", z_m), KEY("time", time_s), {NULL, 0, false}};
-static const struct key undo_keys[] = {KEY("time", time_s), {NULL, 0, false}};
+static const struct key time_keys[] = {KEY("time", time_s), {NULL, 0, false}};
 static const struct key ball_keys[] = {
     WHOLE("n", ball), KEY("x", x_m), KEY("z", z_m), {NULL, 0, false}};
 static const struct key clear_keys[] = {{NULL, 0, false}};
@@ -61,10 +61,9 @@ static const struct command {
     const char *name;
     enum ap_shot_line_kind kind;
     const struct key *keys;
-} commands[] = {{"shot", AP_LINE_SHOT, shot_keys},
-                {"place", AP_LINE_PLACE, place_keys},
-                {"undo", AP_LINE_UNDO, undo_keys},
-                {"clear", AP_LINE_CLEAR, clear_keys},
+} commands[] = {{"shot", AP_LINE_SHOT, shot_keys},  {"place", AP_LINE_PLACE, place_keys},
+                {"undo", AP_LINE_UNDO, time_keys},  {"rack", AP_LINE_RACK, time_keys},
+                {"end", AP_LINE_FINISH, time_keys}, {"clear", AP_LINE_CLEAR, clear_keys},
                 {"ball", AP_LINE_BALL, ball_keys}};
 
 #define CONSTANT(name)                                                                             \
@@ -113,6 +112,8 @@ static enum ap_status check_line(struct ap_error *err, const struct ap_shot_line
         (l->kind == AP_LINE_BALL && (l->ball < 0 || isnan(l->x_m))))
         return ap_fail(err, AP_INPUT, "expected x=METRES and z=METRES%s",
                        l->kind == AP_LINE_BALL ? " and n=BALL" : "");
+    if (l->kind == AP_LINE_FINISH && isnan(l->time_s))
+        return ap_fail(err, AP_INPUT, "end needs time=SECONDS");
     return AP_OK;
 }
 
@@ -143,8 +144,8 @@ static enum ap_status parse_line(struct ap_error *err, struct ap_shots *s, int n
             c = &commands[i];
     if (!c)
         return ap_fail(err, AP_INPUT,
-                       "no command '%.*s': use shot, place, undo, set, clear or ball", shown(w),
-                       w.text);
+                       "no command '%.*s': use shot, place, undo, rack, end, set, clear or ball",
+                       shown(w), w.text);
     struct ap_shot_line line = {.kind = c->kind,
                                 .number = number,
                                 .ball = -1,
@@ -291,6 +292,10 @@ static enum ap_status play_line(struct ap_error *err, struct ap_game *g,
                              : ap_game_place(err, g, (struct ap_plane2){l->x_m, l->z_m});
     case AP_LINE_UNDO:
         return ap_game_undo(err, g);
+    case AP_LINE_RACK:
+        return ap_game_rack(err, g);
+    case AP_LINE_FINISH:
+        return AP_OK;
     case AP_LINE_CLEAR:
     case AP_LINE_BALL:
         return play_ball(err, g, l);
@@ -298,25 +303,60 @@ static enum ap_status play_line(struct ap_error *err, struct ap_game *g,
     return AP_OK;
 }
 
+enum ap_status ap_shot_command(struct ap_error *err, struct ap_game *g, const char *text) {
+    struct ap_shots *shots;
+    enum ap_status st = ap_shots_parse(err, "command", text, strlen(text), &shots);
+    if (st)
+        return st;
+    for (size_t i = 0; i < shots->count && !st; i++)
+        st = play_line(err, g, &shots->line[i]);
+    ap_shots_destroy(shots);
+    return st;
+}
+
+double ap_shots_end_s(const struct ap_shots *s) {
+    for (size_t i = 0; i < s->count; i++)
+        if (s->line[i].kind == AP_LINE_FINISH)
+            return s->line[i].time_s;
+    return INFINITY;
+}
+
+// Lines that a person may ask for at any moment.
+static bool interrupts(const struct ap_shot_line *l) {
+    return !isnan(l->time_s) &&
+           (l->kind == AP_LINE_UNDO || l->kind == AP_LINE_RACK || l->kind == AP_LINE_FINISH);
+}
+
+// When a line is due: at its time or as soon as may be, after the balls' rest.
+static double due_of(const struct ap_shot_player *p, const struct ap_game *g,
+                     const struct ap_shot_line *l) {
+    if (interrupts(l))
+        return fmax(l->time_s, g->physics.now_s);
+    if (!isnan(l->time_s))
+        return fmax(l->time_s, g->physics.changed_s);
+    bool paused = l->kind == AP_LINE_SHOT || l->kind == AP_LINE_UNDO || l->kind == AP_LINE_RACK;
+    return g->physics.changed_s + (paused ? p->pause_s : 0);
+}
+
 enum ap_status ap_shot_player_run(struct ap_error *err, struct ap_shot_player *p, struct ap_game *g,
                                   double until_s, const struct ap_shot_watch *watch) {
     static const struct ap_shot_watch nobody;
     watch = watch ? watch : &nobody;
     for (;;) {
-        if (ap_game_advance(g, g->shooting ? until_s : g->physics.now_s, watch->event,
-                            watch->data)) {
+        const struct ap_shot_line *l = p->next < p->shots->count ? &p->shots->line[p->next] : NULL;
+        if (l && l->kind == AP_LINE_FINISH)
+            until_s = fmin(until_s, l->time_s);
+        bool cuts = l && interrupts(l) && l->time_s <= until_s;
+        double run_s = cuts ? fmax(l->time_s, g->physics.now_s) : until_s;
+        if (ap_game_advance(g, g->shooting ? run_s : g->physics.now_s, watch->event, watch->data)) {
             if (watch->judged)
                 watch->judged(watch->data);
         }
-        if (g->shooting)
+        if (g->shooting && !cuts)
             return AP_OK;
-        const struct ap_shot_line *l = p->next < p->shots->count ? &p->shots->line[p->next] : NULL;
-        bool paused = l && (l->kind == AP_LINE_SHOT || l->kind == AP_LINE_UNDO);
-        double due_s = l ? g->physics.changed_s + (paused ? p->pause_s : 0) : INFINITY;
-        if (l && !isnan(l->time_s))
-            due_s = fmax(l->time_s, g->physics.changed_s);
-        if (!(due_s <= until_s)) {
-            ap_game_advance(g, until_s, watch->event, watch->data);
+        double due_s = l ? due_of(p, g, l) : INFINITY;
+        if (!l || l->kind == AP_LINE_FINISH || !(due_s <= until_s)) {
+            ap_game_advance(g, fmax(until_s, g->physics.now_s), watch->event, watch->data);
             return AP_OK;
         }
         ap_game_advance(g, fmax(due_s, g->physics.now_s), watch->event, watch->data);
@@ -331,5 +371,7 @@ enum ap_status ap_shot_player_run(struct ap_error *err, struct ap_shot_player *p
 }
 
 bool ap_shot_player_done(const struct ap_shot_player *p, const struct ap_game *g) {
+    if (p->next < p->shots->count && p->shots->line[p->next].kind == AP_LINE_FINISH)
+        return g->physics.now_s >= p->shots->line[p->next].time_s;
     return p->next >= p->shots->count && !g->shooting;
 }

@@ -70,13 +70,17 @@ static struct ap_plane3 direction_of(const struct ap_physics *ph, int ball, stru
     return ap_plane_apply(&b.world_from_foot, (struct ap_plane3){d.x, d.z, 0});
 }
 
-struct ap_plane3 ap_physics_toward(const struct ap_physics *ph, int a, int b) {
-    struct ap_plane3 p = ap_physics_motion(ph, a, ph->now_s).foot_m;
-    struct ap_plane3 q = ap_physics_motion(ph, b, ph->now_s).foot_m;
+struct ap_plane3 ap_physics_toward_point(const struct ap_physics *ph, int ball,
+                                         struct ap_plane3 q) {
+    struct ap_plane3 p = ap_physics_motion(ph, ball, ph->now_s).foot_m;
     struct ap_plane3 d = {q.x - p.x, q.z - p.z, q.w - p.w};
-    struct ap_ball ball = ph->ball[a];
-    ap_segment_commit(ph, &ball, fmin(ph->now_s, ball.t_end_s));
-    return direction_of(ph, a, ap_plane_local(ph->shape.space.kappa, &ball.world_from_foot, d));
+    struct ap_ball b = ph->ball[ball];
+    ap_segment_commit(ph, &b, fmin(ph->now_s, b.t_end_s));
+    return direction_of(ph, ball, ap_plane_local(ph->shape.space.kappa, &b.world_from_foot, d));
+}
+
+struct ap_plane3 ap_physics_toward(const struct ap_physics *ph, int a, int b) {
+    return ap_physics_toward_point(ph, a, ap_physics_motion(ph, b, ph->now_s).foot_m);
 }
 
 // The foot's own frame has gone many ways; the one carried straight from the centre has not.

@@ -39,6 +39,8 @@ static void test_bad_lines(void **state) {
         {"ball x=1 z=0\n", "n=BALL"},
         {"place\nset gravity_m_s2=3\n", "s.txt:2: set"},
         {"set mass=3\n", "'mass' is not known"},
+        {"end\n", "end needs time"},
+        {"rack x=1\n", "'x' is not known"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct ap_shots *shots = NULL;
@@ -80,6 +82,33 @@ static void test_frame_rates(void **state) {
         play(&a, shots, 1.0 / 90, 60);
         play(&b, shots, 7.5, 60);
         assert_int_equal(a.shots, 2);
+        for (int i = 0; i < 16; i++) {
+            struct ap_iso p = ap_physics_world_from_ball(&a.physics, i);
+            struct ap_iso q = ap_physics_world_from_ball(&b.physics, i);
+            assert_memory_equal(&p, &q, sizeof p);
+        }
+        ap_shots_destroy(shots);
+    }
+}
+
+// A person takes a shot back, racks anew and goes home while balls move; the same at every rate.
+static void test_in_the_middle(void **state) {
+    (void)state;
+    static const char text[] = "shot at=1 speed=5\nundo time=1.25\nshot at=1 speed=4 time=2\n"
+                               "rack time=2.75\nshot angle=0.1 speed=3 time=3.5\nend time=4.125\n"
+                               "shot angle=0 speed=1\n";
+    for (int kappa = -1; kappa <= 1; kappa++) {
+        struct ap_shots *shots = parse(text);
+        static struct ap_game a, b;
+        assert_true(ap_shots_end_s(shots) == 4.125);
+        start(&a, kappa, AP_GAME_EIGHT, shots);
+        b = a;
+        play(&a, shots, 1.0 / 90, 60);
+        play(&b, shots, 7.5, 60);
+        assert_true(a.physics.now_s == 4.125 && b.physics.now_s == 4.125);
+        assert_true(a.shooting && b.shooting);
+        assert_int_equal(a.shots, 1);
+        assert_int_equal(a.undo_count, 1); // racking forgets
         for (int i = 0; i < 16; i++) {
             struct ap_iso p = ap_physics_world_from_ball(&a.physics, i);
             struct ap_iso q = ap_physics_world_from_ball(&b.physics, i);
@@ -162,8 +191,8 @@ static void test_any_bytes(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bad_lines), cmocka_unit_test(test_frame_rates),
-        cmocka_unit_test(test_recorded), cmocka_unit_test(test_unplayable),
-        cmocka_unit_test(test_any_bytes)};
+        cmocka_unit_test(test_bad_lines),     cmocka_unit_test(test_frame_rates),
+        cmocka_unit_test(test_in_the_middle), cmocka_unit_test(test_recorded),
+        cmocka_unit_test(test_unplayable),    cmocka_unit_test(test_any_bytes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -362,6 +362,24 @@ static void keys_are_controllers(void **state) {
     check_component(source, vive, "/user/hand/left/input/menu/click", SIM_TOP_LEFT, SIM_BOOL, 1, 0);
     check_component(source, touch, "/user/hand/left/input/thumbstick/click", SIM_TOP_LEFT, SIM_BOOL,
                     1, 0);
+    // The wheel pushes the right stick for a moment, while the right button is down.
+    const struct sim_window_input free_wheel = {.wheel = 2},
+                                  wheel = {.keys = SIM_KEY_SQUEEZE, .wheel = 1},
+                                  after = {.keys = SIM_KEY_SQUEEZE, .wheel = 1};
+    sim_source_input(source, &free_wheel, 0.01);
+    check_component(source, touch, "/user/hand/right/input/thumbstick", SIM_TOP_RIGHT, SIM_VEC2, 0,
+                    0);
+    sim_source_input(source, &wheel, 0.01);
+    check_component(source, touch, "/user/hand/right/input/thumbstick", SIM_TOP_RIGHT, SIM_VEC2, 0,
+                    -1);
+    check_component(source, touch, "/user/hand/left/input/thumbstick", SIM_TOP_LEFT, SIM_VEC2, 0,
+                    0);
+    sim_source_input(source, &after, 0.05);
+    check_component(source, touch, "/user/hand/right/input/thumbstick/y", SIM_TOP_RIGHT, SIM_FLOAT,
+                    -1, 0);
+    sim_source_input(source, &after, 0.06);
+    check_component(source, touch, "/user/hand/right/input/thumbstick/y", SIM_TOP_RIGHT, SIM_FLOAT,
+                    0, 0);
     sim_source_destroy(source);
     sim_settings_finish(&settings);
 }

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "src/base/log.h"
+
 enum { DOTS = 24, RAILS = AP_CHAPERONE_MAX_LINES };
 
 static const double rail_m = 0.25;
@@ -109,12 +111,24 @@ static void show_fence(struct ap_body *body, const struct ap_xr_frame *frame) {
     }
 }
 
+// A pose that no tracker can mean (NaN, or farther than can be told) is a device that is lost: the
+// others go on, and so does the game.
 static void place(enum ap_status *st, struct ap_error *err, struct ap_body *body,
                   const char *device, const struct ap_xr_located *located, bool *has_row,
                   struct ap_iso *iso) {
     *has_row = false;
-    if (!*st && located->valid)
-        *st = ap_tracker_feed(err, body->room->tracker, device, located->pose, has_row, iso);
+    if (*st || !located->valid)
+        return;
+    struct ap_error why;
+    enum ap_status fed =
+        ap_tracker_feed(&why, body->room->tracker, device, located->pose, has_row, iso);
+    if (fed == AP_INPUT) {
+        *has_row = false;
+        if (body->refused++ == 0)
+            ap_log(AP_LOG_WARNING, "%s counts as lost: %s", device, why.text);
+    } else if (fed) {
+        *st = ap_fail(err, fed, "%s", why.text);
+    }
 }
 
 // What the others are placed by comes first.

@@ -20,6 +20,10 @@ enum {
 };
 
 static const char *const controls[][2] = {
+    {"right squeeze, mouse right", "aim where you look"},
+    {"right trigger, mouse left", "strike; put the ball in hand"},
+    {"right stick, wheel", "how fast, while aiming"},
+    {"left stick; A", "the tip; the ball in hand, while aiming"},
     {"left stick", "fly, where the body hangs on the anchor"},
     {"right stick", "turn; hold forward to point, then go"},
     {"Y; B", "native or tourist; which eyes are open"},

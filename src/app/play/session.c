@@ -5,11 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/app/play/board.h"
 #include "src/app/play/picture.h"
 #include "src/base/clock.h"
 #include "src/base/log.h"
 
-enum { MENU_WIDTH_PX = 720, MENU_HEIGHT_PX = 860, RATE_WIDTH_PX = 256, RATE_HEIGHT_PX = 48 };
+enum { MENU_WIDTH_PX = 720, MENU_HEIGHT_PX = 960, RATE_WIDTH_PX = 256, RATE_HEIGHT_PX = 48 };
 
 // 30 pictures a second, with what the headset needs for itself.
 static const double budget_ms = 28;
@@ -19,6 +20,8 @@ struct ap_play {
     struct ap_play_settings settings;
     struct ap_room room;
     struct ap_body body;
+    struct ap_play_game *game; // NULL: the balls lie
+    struct ap_play_board board;
     struct ap_xr *xr;
     struct ap_gpu gpu;
     struct ap_renderer *renderer;
@@ -81,6 +84,57 @@ static void settle(struct ap_play *play) {
     ap_xr_stage_bounds(play->xr, &width_m, &depth_m);
     ap_body_settle(&play->body, &play->settings, width_m, depth_m);
     play->detail.automatic = ap_play_is(&play->settings, AP_PLAY_DETAIL, "auto");
+    const char *lines = play->params.lines;
+    if (play->game)
+        play->game->shows_lines =
+            lines ? strcmp(lines, "on") == 0 : ap_play_is(&play->settings, AP_PLAY_LINES, "on");
+}
+
+// How a recording is to be seen again; a scene or a tracker of one's own is to be said there, too.
+static void write_command(const struct ap_play *play, char *text, size_t size) {
+    const struct ap_scene *scene = play->room.scene;
+    const char *at = play->params.room.table_at;
+    snprintf(
+        text, size,
+        "antipode replay --space %s --table-edge %.17g%s%s --saved start.json --shots shots.txt "
+        "--out pictures poses.csv",
+        ap_space_name(scene->space), scene->table_edge_m, at ? " --table-at " : "", at ? at : "");
+}
+
+static void close_game(struct ap_play *play) {
+    if (play->game)
+        play->stats.strikes += play->game->strikes;
+    ap_play_game_close(play->game);
+    play->game = NULL;
+}
+
+// The game that the settings say, on the room's table where it has one. One that cannot be played
+// (its rack does not fit) is told, and the balls lie.
+static enum ap_status open_game(struct ap_error *err, struct ap_play *play) {
+    struct ap_scene *scene = play->room.scene;
+    const char *kind =
+        play->params.game ? play->params.game : ap_play_word(&play->settings, AP_PLAY_GAME);
+    if (strcmp(kind, "none") == 0 || !ap_table_play_is_possible(scene)) {
+        if (!play->params.record)
+            return AP_OK;
+        return ap_fail(err, AP_USAGE, "--record: there is no game to be recorded");
+    }
+    char command[512];
+    write_command(play, command, sizeof command);
+    char *path =
+        play->params.keep_game ? ap_play_game_path(ap_space_name(scene->space), kind) : NULL;
+    const struct ap_play_game_params params = {.scene = scene,
+                                               .kind = kind,
+                                               .path = path,
+                                               .anew = play->params.new_game,
+                                               .record = play->params.record,
+                                               .command = command};
+    enum ap_status st = ap_play_game_open(err, &params, &play->game);
+    free(path);
+    if (st != AP_INPUT)
+        return st;
+    ap_log(AP_LOG_WARNING, "no game is played: %s", err->text);
+    return AP_OK;
 }
 
 static enum ap_status make_room(struct ap_error *err, struct ap_play *play) {
@@ -91,13 +145,19 @@ static enum ap_status make_room(struct ap_error *err, struct ap_play *play) {
         return st;
     ap_renderer_destroy(play->renderer);
     play->renderer = NULL;
+    close_game(play);
     ap_room_close(&play->room);
     play->room = room;
     play->input = (struct ap_frame_input){.viewer.world_from_nose = AP_ISO_IDENTITY};
-    return ap_body_init(err, &play->room, &play->body);
+    st = ap_body_init(err, &play->room, &play->body);
+    return st ? st : open_game(err, play);
 }
 
 static enum ap_status make_room_anew(struct ap_error *err, struct ap_play *play) {
+    if (play->params.record && play->game)
+        ap_log(AP_LOG_WARNING, "the recording ends here: the room is made anew");
+    play->params.record = NULL;
+    play->params.new_game = false;
     enum ap_status st = make_room(err, play);
     if (!st)
         st = make_renderer(err, play);
@@ -202,6 +262,7 @@ static enum ap_status take_wish(struct ap_error *err, struct ap_play *play,
     if (wish == AP_MENU_CHANGED || wish == AP_MENU_ANEW) {
         // Chosen in the menu, it stands above the command line.
         play->params.room.view = play->params.room.eye = play->params.room.native_of = NULL;
+        play->params.lines = NULL;
         ap_view_mode_from_name(NULL, ap_play_word(&play->settings, AP_PLAY_VIEW), &play->room.view);
         open_eyes(play);
         settle(play);
@@ -211,8 +272,13 @@ static enum ap_status take_wish(struct ap_error *err, struct ap_play *play,
         play->params.room.space = play->params.room.tracker = play->params.room.anchor = NULL;
         play->params.room.table_edge_m = play->params.room.radius_m = NAN;
         play->params.room.max_error_px = NAN;
+        play->params.game = NULL;
         st = make_room_anew(err, play);
     }
+    if (wish == AP_MENU_RACK && play->game)
+        ap_play_game_rack(play->game);
+    if (wish == AP_MENU_UNDO && play->game)
+        ap_play_game_undo(play->game);
     play->picture_wanted |= wish == AP_MENU_SCREENSHOT;
     play->end_wanted |= wish == AP_MENU_QUIT;
     if (!st && play->menu.open)
@@ -250,6 +316,30 @@ static void take_switches(struct ap_play *play, const struct ap_xr_frame *frame)
     bool click = frame->hand[0].stick_click;
     play->picture_wanted |= click && !play->was_clicked;
     play->was_clicked = click;
+}
+
+// ---- The game
+
+static enum ap_status step_game(struct ap_error *err, struct ap_play *play,
+                                const struct ap_xr_frame *frame) {
+    struct ap_play_game *g = play->game;
+    const struct ap_scene *scene = play->room.scene;
+    struct ap_board_text text;
+    char aims[80] = "";
+    if (g && play->body.head_known)
+        ap_play_game_step(g, frame, &play->input, play->menu.open);
+    if (g && ap_play_game_aims(g))
+        snprintf(aims, sizeof aims, "cue at %.2g m/s, tip %+.2f to the right, %+.2f up",
+                 g->aim.speed_m_s, g->aim.right, g->aim.above);
+    if (g)
+        ap_board_write(&g->table->game, g->says, aims, &text);
+    enum ap_status st =
+        ap_play_board_step(err, &play->board, g ? &text : NULL, &play->room.tracker_params,
+                           scene->table_edge_m, frame->head.pose);
+    for (int hand = 0; hand < 2 && g && !st; hand++)
+        if (g->pulse[hand] > 0)
+            st = ap_xr_haptic(err, play->xr, hand, 0.03, g->pulse[hand]);
+    return st;
 }
 
 // ---- Frames
@@ -327,7 +417,11 @@ static enum ap_status step(struct ap_error *err, struct ap_play *play) {
     if (!play->menu.open)
         take_switches(play, &frame);
     if (!st)
-        st = ap_body_step(err, &play->body, &frame, play->menu.open, &play->input);
+        st = ap_body_step(err, &play->body, &frame,
+                          play->menu.open || (play->game && ap_play_game_aims(play->game)),
+                          &play->input);
+    if (!st)
+        st = step_game(err, play, &frame);
     if (!st)
         st = ap_comfort_step(err, &play->comfort, play->body.fade, play->body.vignette);
     if (!st)
@@ -390,8 +484,10 @@ static enum ap_status open_headset(struct ap_error *err, struct ap_play *play) {
 }
 
 static enum ap_status make_panels(struct ap_error *err, struct ap_play *play) {
-    enum ap_status st = ap_play_panel_create(err, play->xr, &play->gpu, MENU_WIDTH_PX,
-                                             MENU_HEIGHT_PX, &play->menu_panel);
+    enum ap_status st = ap_play_board_create(err, play->xr, &play->gpu, &play->board);
+    if (!st)
+        st = ap_play_panel_create(err, play->xr, &play->gpu, MENU_WIDTH_PX, MENU_HEIGHT_PX,
+                                  &play->menu_panel);
     if (!st)
         st = ap_play_panel_create(err, play->xr, &play->gpu, RATE_WIDTH_PX, RATE_HEIGHT_PX,
                                   &play->rate_panel);
@@ -426,6 +522,8 @@ enum ap_status ap_play_open(struct ap_error *err, const struct ap_play_params *p
 void ap_play_close(struct ap_play *play) {
     if (!play)
         return;
+    close_game(play);
+    ap_play_board_destroy(&play->board);
     ap_renderer_destroy(play->renderer);
     ap_comfort_destroy(&play->comfort);
     ap_play_panel_destroy(&play->menu_panel);
@@ -438,5 +536,7 @@ void ap_play_close(struct ap_play *play) {
 }
 
 struct ap_play_stats ap_play_stats(const struct ap_play *play) {
-    return play->stats;
+    struct ap_play_stats stats = play->stats;
+    stats.strikes += play->game ? play->game->strikes : 0;
+    return stats;
 }

@@ -6,6 +6,7 @@
 #include "src/app/play/body.h"
 #include "src/app/play/comfort.h"
 #include "src/app/play/detail.h"
+#include "src/app/play/game.h"
 #include "src/app/play/menu.h"
 
 // A live session: the room, the headset behind the loader, and what the person asks for, frame by
@@ -15,6 +16,9 @@ struct ap_play_params {
     struct ap_room_options room;
     struct ap_play_settings settings; // what the room options leave open
     const char *settings_path;        // where the menu keeps them; NULL: nowhere
+    const char *game, *lines;         // of the command line, above the settings; NULL: theirs
+    const char *record;               // folder that the session is written to; NULL: not
+    bool keep_game, new_game;         // in its file; not going on with what is there
     const char *pictures;             // folder for pictures of both eyes; NULL: the present one
     bool older_vulkan, one_eye;       // one_eye: the window shows the left one alone
 };
@@ -22,6 +26,7 @@ struct ap_play_params {
 struct ap_play_stats {
     int64_t frames, drawn, pictures;
     int64_t rebuilt; // rooms made anew from the menu
+    int64_t strikes; // of the cue
 };
 
 struct ap_play;
