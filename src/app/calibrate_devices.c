@@ -134,7 +134,10 @@ static enum ap_status collect(struct ap_error *err, const struct ap_calibrate_op
     ap_catch_end();
     const struct ap_live_params base = {
         .listener = {.user = c, .started = on_started, .pose = on_pose}};
-    enum ap_status st = ap_live_options_open(err, &o->live, &base, &live);
+    struct ap_live_options options = o->live;
+    options.uncalibrated = c->wants_rest;
+    options.unmounted = true;
+    enum ap_status st = ap_live_options_open(err, &options, &base, &live);
     if (!st && !ap_live_settle(live, ap_clock_now_ns() + 3000 * MS))
         ap_log(AP_LOG_WARNING, "calibrate: a device takes long to start");
     if (!st)

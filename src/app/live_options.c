@@ -24,6 +24,8 @@ enum ap_status ap_live_options_open(struct ap_error *err, const struct ap_live_o
     struct ap_live_bus way;
     struct ap_live_mounts mounts = {.count = 0};
     enum ap_status st = o->uncalibrated ? AP_OK : read_mounts(err, &mounts);
+    for (int i = 0; i < mounts.count && o->unmounted; i++)
+        mounts.mounts[i].tracker_from_body = (struct ap_quat){0};
     params.mounts = mounts.mounts;
     params.mount_count = (size_t)mounts.count;
     params.assign = o->device.text;

@@ -10,6 +10,7 @@
 struct ap_live_options {
     struct ap_text_list device, position, replay;
     bool uncalibrated; // as the devices say, without what `calibrate` has found
+    bool unmounted;    // without their mountings only
 };
 
 #define AP_LIVE_OPTION_TABLE(o)                                                                    \
