@@ -8,6 +8,7 @@
 #include "src/app/live_options.h"
 #include "src/base/clock.h"
 #include "src/base/log.h"
+#include "src/base/utf8.h"
 
 // antipode devices: what is plugged in, and with --watch what it says.
 
@@ -84,17 +85,19 @@ static bool any_failed(const struct ap_live *live) {
 }
 
 static json_t *device_json(const struct ap_live_device *d, int64_t now_ns) {
+    char path[AP_LIVE_PATH_MAX];
+    snprintf(path, sizeof path, "%s", d->place.path); // of a recording: any bytes
+    ap_utf8_tidy(path);
     json_t *roles = json_array();
     for (int t = 0; t < d->tracker_count; t++)
         json_array_append_new(roles, json_string(d->role[t]));
     json_t *object = json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:s, s:i, s:f, s:s, s:o, s:I, s:I, s:I, s:s}", "name",
-        d->place.name, "bus", bus_name(d->place.bus), "serial", d->place.serial, "path",
-        d->place.path, "way", d->way, "vendor", (int)d->place.vendor, "product",
-        (int)d->place.product, "driver", d->driver ? d->driver->name : "", "degrees", d->degrees,
-        "rate_hz", d->rate_hz, "state", ap_live_state_name(d->state), "roles", roles, "reports",
-        (json_int_t)d->reports, "bad", (json_int_t)d->bad, "lost", (json_int_t)d->lost, "why",
-        d->why);
+        d->place.name, "bus", bus_name(d->place.bus), "serial", d->place.serial, "path", path,
+        "way", d->way, "vendor", (int)d->place.vendor, "product", (int)d->place.product, "driver",
+        d->driver ? d->driver->name : "", "degrees", d->degrees, "rate_hz", d->rate_hz, "state",
+        ap_live_state_name(d->state), "roles", roles, "reports", (json_int_t)d->reports, "bad",
+        (json_int_t)d->bad, "lost", (json_int_t)d->lost, "why", d->why);
     if (object && d->newest_ns)
         json_object_set_new(object, "age_ms", json_real((double)(now_ns - d->newest_ns) * 1e-6));
     if (object && d->battery_percent >= 0)
@@ -113,7 +116,7 @@ static enum ap_status print_json(struct ap_error *err, const struct ap_live *liv
     ok = ok && json_dumpf(list, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) == 0;
     json_decref(list);
     printf("\n");
-    return ok ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "a name is not UTF-8, which JSON cannot hold");
+    return ok ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "the list cannot be written");
 }
 
 static void print_list(const struct ap_live *live) {
@@ -256,6 +259,8 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
     enum ap_status st = ap_parse_options(err, &usage, argc, argv, &operands, &done);
     if (!st && !done && !isnan(o.seconds) && !(o.seconds >= 0 && o.seconds <= 1e6))
         st = ap_fail(err, AP_USAGE, "--seconds: expected 0 to 1000000, not %g", o.seconds);
+    if (!st && !done && o.watch && o.json)
+        st = ap_fail(err, AP_USAGE, "--json writes one list, --watch goes on: one of them");
     return st || done ? st : show(err, &o);
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "src/base/file.h"
+#include "src/base/utf8.h"
 #include "src/image/image.h"
 
 static enum ap_status no_memory(struct ap_error *err) {
@@ -15,24 +16,9 @@ static enum ap_status no_memory(struct ap_error *err) {
 
 // --- text
 
-// The length of the UTF-8 sequence at text, 0 where it is none (overlong, surrogate, cut…).
-static int utf8_length(const unsigned char *t) {
-    if (t[0] < 0x80)
-        return 1;
-    int n = t[0] >= 0xf0 ? 4 : t[0] >= 0xe0 ? 3 : 2;
-    if (t[0] < 0xc2 || t[0] > 0xf4)
-        return 0;
-    for (int i = 1; i < n; i++)
-        if ((t[i] & 0xc0) != 0x80)
-            return 0;
-    bool overlong = (t[0] == 0xe0 && t[1] < 0xa0) || (t[0] == 0xf0 && t[1] < 0x90);
-    bool outside = (t[0] == 0xed && t[1] >= 0xa0) || (t[0] == 0xf4 && t[1] >= 0x90);
-    return overlong || outside ? 0 : n;
-}
-
 void ap_html_text(FILE *f, const char *text) {
     for (const unsigned char *t = (const unsigned char *)text; *t;) {
-        int n = utf8_length(t);
+        int n = ap_utf8_length((const char *)t);
         switch (*t) {
         case '&':
             fputs("&amp;", f);

@@ -28,6 +28,8 @@ static void print_help(FILE *out) {
 int main(int argc, char **argv) {
     // A reader that goes away (`antipode track … | head`) is a write error, told as one.
     signal(SIGPIPE, SIG_IGN);
+    // So is a file that may grow no further (`ulimit -f`).
+    signal(SIGXFSZ, SIG_IGN);
     // The OpenXR loader repeats at length what our own one line says; XR_LOADER_DEBUG=error asks it
     // to. Under `sim` it is another program's loader, which says what it always says.
     if (argc < 2 || strcmp(argv[1], "sim") != 0)

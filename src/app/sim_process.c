@@ -48,10 +48,11 @@ static int spawn(const struct ap_sim_process *process, const sigset_t *mask, boo
         posix_spawnattr_destroy(&attr);
         return e;
     }
-    // main() ignores SIGPIPE for itself; we block what we wait for.
+    // main() ignores SIGPIPE and SIGXFSZ for itself; we block what we wait for.
     sigset_t usual;
     sigemptyset(&usual);
     sigaddset(&usual, SIGPIPE);
+    sigaddset(&usual, SIGXFSZ);
     short flags = POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK;
     posix_spawnattr_setsigdefault(&attr, &usual);
     posix_spawnattr_setsigmask(&attr, mask);

@@ -26,22 +26,23 @@ static void learn_interval(struct ap_feed *feed, int64_t now_ns, int count) {
     feed->interval_ns += weight * (each - feed->interval_ns);
 }
 
-// Whole microseconds, as a recording has them, never before the report before.
+// Whole microseconds, as a recording has them, and always later than the report before: what stands
+// at one time with another report of its device is no pose log any more.
 int64_t ap_feed_stamp(struct ap_feed *feed, int64_t t_ns) {
     t_ns -= t_ns % MICROSECOND;
-    if (t_ns < feed->arrival_ns)
-        t_ns = feed->arrival_ns;
+    if (feed->arrival_ns != INT64_MIN && t_ns <= feed->arrival_ns)
+        t_ns = feed->arrival_ns + MICROSECOND;
     feed->arrival_ns = t_ns;
     return t_ns;
 }
 
 void ap_feed_date(struct ap_feed *feed, int64_t now_ns, int count, int queue_len, int64_t *t_ns) {
     bool is_first = feed->arrival_ns == INT64_MIN;
-    int64_t before_ns = is_first ? now_ns : feed->arrival_ns;
-    double step = feed->interval_ns;
+    int64_t before_ns = is_first ? now_ns - count * MICROSECOND : feed->arrival_ns;
+    double step = fmax(feed->interval_ns, (double)MICROSECOND);
     // A queue that was full: its reports are the oldest since the last look, and what came behind
     // them was dropped until somebody read.
-    bool was_full = queue_len && count >= queue_len && step > 0 &&
+    bool was_full = queue_len && count >= queue_len && feed->interval_ns > 0 &&
                     (double)(now_ns - before_ns) > step * (count + 1);
     if (!is_first && !was_full)
         learn_interval(feed, now_ns, count);

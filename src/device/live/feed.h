@@ -31,7 +31,8 @@ struct ap_fed {
 void ap_feed_begin(struct ap_feed *feed);
 
 // When the reports of a queue came in that was found at `now_ns` with `count` in it, after the one
-// before was dated: writes `count` times, rising, none after now. queue_len: what stands in a queue
+// before was dated: writes `count` times, rising by a microsecond at least, none after now but for
+// that. queue_len: what stands in a queue
 // that was full and has dropped what came later (0: queues drop the oldest); then the first of them
 // came right after the last report before.
 void ap_feed_date(struct ap_feed *feed, int64_t now_ns, int count, int queue_len, int64_t *t_ns);

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "src/base/log.h"
+#include "src/base/utf8.h"
 #include "src/device/calibration/store.h"
 #include "src/device/live/rules.h"
 #include "src/device/live/set.h"
@@ -386,8 +387,12 @@ static void look(struct live_bus *bus) {
         if (live->slots[i]->bus == bus)
             live->slots[i]->seen = false;
     int n = bus->way.io->list(bus->way.bus, bus->places, AP_LIVE_DEVICES_MAX);
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
+        // A stranger's: no terminal's commands, no lines of their own in a recording.
+        ap_utf8_tidy(bus->places[i].name);
+        ap_utf8_tidy(bus->places[i].serial);
         look_at(bus, &bus->places[i]);
+    }
     for (int i = 0, count = live_slot_count(live); i < count; i++) {
         struct live_slot *slot = live->slots[i];
         if (slot->bus != bus || slot->seen)

@@ -66,6 +66,8 @@ struct ap_live_pose_row {
     char role[AP_LIVE_ROLE_NAME_MAX];
     int64_t t_ns, arrival_ns;
     struct ap_pose pose;
+    bool
+        restarted; // nothing leads here from the pose before: unplugged, recentred, a new reference
     const struct ap_driver_sample *sample; // rates, forces, buttons
 };
 

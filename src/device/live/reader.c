@@ -84,7 +84,7 @@ static struct live_tracker *make_tracker(struct live_slot *slot, const struct ap
 }
 
 static void tell(struct live_slot *slot, struct live_tracker *t, const struct ap_driver_sample *s,
-                 int64_t t_ns, struct ap_pose pose) {
+                 int64_t t_ns, struct ap_pose pose, bool restarted) {
     const struct ap_live_listener *l = &slot->live->listener;
     if (!l->pose)
         return;
@@ -93,6 +93,7 @@ static void tell(struct live_slot *slot, struct live_tracker *t, const struct ap
                                    .t_ns = t_ns,
                                    .arrival_ns = slot->feed->arrival_ns,
                                    .pose = pose,
+                                   .restarted = restarted,
                                    .sample = s};
     const char *role = ap_live_role_name(slot->live, atomic_load(&t->role));
     if (role)
@@ -119,14 +120,16 @@ static void take_sample(struct live_slot *slot, const struct ap_driver_sample *s
     if (recentre(slot, t, s, pose) || restarted)
         ap_history_reset(&t->history);
     pose = place(t, s, pose);
-    if (ap_history_push(&t->history, t_ns, pose, s->has_rate ? &rate : NULL)) {
+    bool is_first = t->history.last_t_ns == INT64_MIN, is_apart = t->history.apart;
+    bool taken = ap_history_push(&t->history, t_ns, pose, s->has_rate ? &rate : NULL);
+    if (taken) {
         hold(t, s, t_ns);
         slot->about.newest_ns = t_ns;
     }
     if (s->has_battery)
         slot->about.battery_percent = (int)lroundf(100 * s->battery);
-    if (told)
-        tell(slot, t, s, t_ns, pose);
+    if (taken && told)
+        tell(slot, t, s, t_ns, pose, is_apart && !is_first);
 }
 
 // --- reports

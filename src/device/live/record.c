@@ -100,7 +100,8 @@ static void on_pose(void *user, const struct ap_live_pose_row *row) {
         node->sample = (struct ap_sample){.t_ns = node->t_ns,
                                           .pose = row->pose,
                                           .trigger = row->sample->trigger,
-                                          .select = row->sample->buttons & 1};
+                                          .select = row->sample->buttons & 1,
+                                          .reset = row->restarted};
     }
     put(user, node);
 }

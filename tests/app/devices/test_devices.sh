@@ -18,6 +18,12 @@ grep -q '"bad": 0' stdout || fail "bad reports in the JSON: $(cat stdout)"
 expect 0 '' "$antipode" devices --watch --replay one.hid --seconds 2
 grep -Eq '^head +(ahead|exact|between|lost) ' stdout || fail "--watch shows no head: $(cat stdout)"
 
+expect 2 'one of them' "$antipode" devices --watch --json --replay one.hid --seconds 0.2
+name=$(printf 'caf\351.hid')
+cp one.hid "$name"
+expect 0 '' "$antipode" devices --json --replay "$name" --seconds 0.1
+grep -q '"caf?.hid#0"' stdout || fail "a path in the JSON: $(cat stdout)"
+
 # What cannot be.
 expect 3 'is no hidraw node' "$antipode" devices --device head=/dev/null
 expect 2 'ROLE=WHICH' "$antipode" devices --device head
@@ -46,6 +52,18 @@ done
 gzip -t take.hid.gz || fail "take.hid.gz is no gzip file"
 grep -h '^E:' two.hid | cut -d' ' -f3- >sent
 grep -h '^E:' take.hid | cut -d' ' -f3- | cmp - sent || fail "take.hid: other bytes than were sent"
+
+# Two reports at a time, and a tracker that begins anew: the recording can be read all the same.
+make_head_tracker >head.hid
+expect 0 '' "$antipode" record anew.hid --replay head.hid
+for name in anew.hid anew.csv; do
+	[ "$("$antipode" track --space e3 "$name" | wc -l)" -eq 41 ] || fail "$name cannot be read"
+done
+[ "$(cut -d, -f13 anew.csv | grep -c '^1')" -eq 2 ] || fail "anew.csv: $(cut -d, -f13 anew.csv | grep -c '^1') new references"
+(ulimit -f 1; exec "$antipode" record large.hid --replay head.hid) >stdout 2>stderr
+status=$?
+[ $status -eq 4 ] || fail "a file that may not grow: exit status $status, $(cat stderr)"
+[ ! -e large.hid ] || fail "large.hid is there"
 
 # A recording of a recording that is there already; replaced only when asked.
 expect 2 'force' "$antipode" record take.hid --replay one.hid

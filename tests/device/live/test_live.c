@@ -433,6 +433,60 @@ static void test_stall_without_clock(void **state) {
     end(&w);
 }
 
+// A queue that was full before anybody looked: each report has a time of its own, or no recording
+// of it could be read.
+static int64_t newest_row_ns;
+static int rows, rows_restarted;
+
+static void count_row(void *user, const struct ap_live_pose_row *row) {
+    (void)user;
+    if (row->t_ns <= newest_row_ns)
+        fail_msg("row %d at %lld ns, after %lld", rows, (long long)row->t_ns,
+                 (long long)newest_row_ns);
+    newest_row_ns = row->t_ns;
+    rows++;
+    rows_restarted += row->restarted;
+}
+
+static void test_first_queue(void **state) {
+    (void)state;
+    rows = rows_restarted = 0;
+    newest_row_ns = INT64_MIN;
+    struct world w = begin(&(struct ap_live_params){.listener = {.pose = count_row}});
+    int d = plug_slimevr(w.fake, "A");
+    settle(&w);
+    for (int round = 0; round < 3; round++) {
+        fake_hold(w.fake, true);
+        for (int i = 0; i < FAKE_QUEUE; i++)
+            send_slimevr(w.fake, d, 0, 0);
+        fake_hold(w.fake, false);
+        settle(&w);
+    }
+    assert_int_equal(rows, 3 * FAKE_QUEUE);
+    assert_int_equal(rows_restarted, 0);
+    expect_near("newest, ms", (double)(newest_row_ns - w.now_ns) / 1e6, 0, 0.2);
+    fake_unplug(w.fake, d);
+    settle(&w);
+    fake_replug(w.fake, d, NULL);
+    settle(&w);
+    play_slimevr(&w, d, 3, 0, 0.01);
+    assert_int_equal(rows, 3 * FAKE_QUEUE + 3);
+    assert_int_equal(rows_restarted, 1);
+    end(&w);
+}
+
+// Names that are none.
+static void test_names(void **state) {
+    (void)state;
+    struct world w = begin(NULL);
+    fake_plug(w.fake, "S\n\xff", 3, 0x1209, 0x7690, "red\x1b[31m \xe9\nE: 0", SLIMEVR_DESCRIPTOR);
+    settle(&w);
+    struct ap_live_device about = device_at(&w, 0);
+    assert_string_equal(about.place.name, "red?[31m ??E: 0");
+    assert_string_equal(about.place.serial, "S??");
+    end(&w);
+}
+
 static void test_recentre(void **state) {
     (void)state;
     struct world w = begin(NULL);
@@ -477,6 +531,7 @@ static void test_flight(void **state) {
         send_slimevr(w.fake, head, 0, 0);
         settle(&w);
     }
+    step(&w, MS);
     fake_send(w.fake, cap, rest, sizeof rest);
     settle(&w);
     step(&w, 10 * MS);
@@ -618,6 +673,8 @@ int main(void) {
         cmocka_unit_test(test_many),
         cmocka_unit_test(test_stall_with_clock),
         cmocka_unit_test(test_stall_without_clock),
+        cmocka_unit_test(test_first_queue),
+        cmocka_unit_test(test_names),
         cmocka_unit_test(test_recentre),
         cmocka_unit_test(test_flight),
         cmocka_unit_test(test_position),
