@@ -60,7 +60,7 @@ static struct walker make_walker(const struct ap_walk_params *params, double t_s
                        .t_s = t_s};
     w.state = ap_walk_script_at(w.edge_m, t_s);
     struct ap_walk_point at = ap_walk_path(w.edge_m, ap_walk_offset_m, w.state.u);
-    w.heading_rad = ap_walk_path_heading(w.edge_m, w.state.u) + M_PI_2 * w.state.facing;
+    w.heading_rad = ap_walk_path_heading(&at, w.state.u) + M_PI_2 * w.state.facing;
     w.forward = forward_of(w.heading_rad);
     w.right = forward_of(w.heading_rad - M_PI_2);
     // Weight goes from foot to foot, once in two steps.
@@ -99,7 +99,7 @@ static void shake(const struct walker *w, int device, double metres, double radi
 static void look_at(const struct walker *w, double weight, struct ap_vec3 target,
                     struct aimed *head) {
     struct ap_vec3 d = ap_vec3_sub(target, head->p);
-    double yaw = remainder(atan2(-d.x, -d.z) - w->heading_rad, 2 * M_PI);
+    double yaw = ap_walk_turn_rad(atan2(-d.x, -d.z) - w->heading_rad);
     // Necks turn so far and no farther; the eyes do the rest.
     head->yaw_rad += weight * 1.2 * tanh(yaw / 1.2);
     head->pitch_rad += weight * 0.75 * atan2(d.y, hypot(d.x, d.z));
@@ -117,9 +117,12 @@ static struct aimed head_at(const struct walker *w) {
     const struct ap_walk_state *s = &w->state;
     struct aimed head = {.p = trunk_point(w, 0, EYES_ABOVE_HIP, EYES_FORWARD)};
     double ahead_m = 0.6 * (1 - s->facing), inside = fmin(0.3, w->edge_m / 3);
-    look_at(w, s->on_table, path_point(w, -inside, ahead_m, w->table_y), &head);
-    look_at(w, s->on_way, path_point(w, 0.3, 1.35, 0.85), &head);
-    look_at(w, s->on_shot, path_point(w, -2.2 * inside, 0, w->table_y), &head);
+    if (s->on_table != 0) // no attention adds exactly nothing, and costs as much
+        look_at(w, s->on_table, path_point(w, -inside, ahead_m, w->table_y), &head);
+    if (s->on_way != 0)
+        look_at(w, s->on_way, path_point(w, 0.3, 1.35, 0.85), &head);
+    if (s->on_shot != 0)
+        look_at(w, s->on_shot, path_point(w, -2.2 * inside, 0, w->table_y), &head);
     head.yaw_rad += w->heading_rad + s->glance_yaw_rad;
     head.pitch_rad += s->glance_pitch_rad;
     head.pitch_rad += 0.008 * s->pace * sin(2 * M_PI * STEP_HZ * w->t_s);
@@ -159,15 +162,30 @@ static struct aimed left_at(const struct walker *w) {
     double swing = s->pace * sin(M_PI * STEP_HZ * w->t_s), yaw = w->heading_rad;
     struct aimed hand = {body_point(w, -0.24, 0.90 + 0.02 * swing * swing, 0.10 + 0.07 * swing),
                          yaw - 0.1, 0.2 + 0.2 * swing, 0};
-    struct aimed on_edge = {path_point(w, 0.01, 0.18, w->table_y + 0.03), yaw + 0.5 + FLAT_YAW, 0.1,
-                            FLAT_ROLL};
-    struct aimed bridge = {path_point(w, -0.10, 0, w->table_y + 0.05), yaw + FLAT_YAW, 0.1,
-                           FLAT_ROLL};
-    hand = blend(hand, on_edge, s->touch * (1 - s->bend));
-    hand = blend(hand, bridge, s->bend);
+    double touch = s->touch * (1 - s->bend);
+    if (touch != 0)
+        hand = blend(hand,
+                     (struct aimed){path_point(w, 0.01, 0.18, w->table_y + 0.03),
+                                    yaw + 0.5 + FLAT_YAW, 0.1, FLAT_ROLL},
+                     touch);
+    if (s->bend != 0)
+        hand = blend(hand,
+                     (struct aimed){path_point(w, -0.10, 0, w->table_y + 0.05), yaw + FLAT_YAW, 0.1,
+                                    FLAT_ROLL},
+                     s->bend);
     reach(w, -SHOULDER_SIDE, &hand);
     shake(w, 1, 0.004 * (1 - 0.7 * s->bend), 0.02, &hand);
     return hand;
+}
+
+static struct aimed shot_at(const struct walker *w) {
+    struct aimed shot = {body_point(w, 0.14, w->table_y + 0.16, 0.02 + 0.06 * w->state.stroke), 0,
+                         0, 0};
+    struct ap_vec3 cue = ap_vec3_sub(left_at(w).p, shot.p);
+    double yaw = ap_walk_turn_rad(atan2(-cue.x, -cue.z) - w->heading_rad);
+    shot.yaw_rad = w->heading_rad + yaw;
+    shot.pitch_rad = atan2(cue.y, hypot(cue.x, cue.z));
+    return shot;
 }
 
 // Carries the cue, slanting down before it; at the shot holds its end by the hip, so that the
@@ -177,12 +195,8 @@ static struct aimed right_at(const struct walker *w) {
     double swing = s->pace * sin(M_PI * STEP_HZ * w->t_s);
     struct aimed hand = {body_point(w, 0.23, 0.98, 0.14 - 0.04 * swing), w->heading_rad + 0.1,
                          -0.12 - 0.06 * swing, 0};
-    struct aimed shot = {body_point(w, 0.14, w->table_y + 0.16, 0.02 + 0.06 * s->stroke), 0, 0, 0};
-    struct ap_vec3 cue = ap_vec3_sub(left_at(w).p, shot.p);
-    double yaw = remainder(atan2(-cue.x, -cue.z) - w->heading_rad, 2 * M_PI);
-    shot.yaw_rad = w->heading_rad + yaw;
-    shot.pitch_rad = atan2(cue.y, hypot(cue.x, cue.z));
-    hand = blend(hand, shot, s->bend);
+    if (s->bend != 0)
+        hand = blend(hand, shot_at(w), s->bend);
     reach(w, SHOULDER_SIDE, &hand);
     shake(w, 2, 0.004 * (1 - 0.7 * s->bend), 0.015 * (1 - 0.7 * s->bend), &hand);
     return hand;

@@ -32,8 +32,7 @@ static struct corner_arc widened_square(double edge_m, double offset_m, double u
         z = -half - offset_m;
     }
     // rotY by a quarter turn per edge.
-    double quarter = fmod(e, 4);
-    for (int i = quarter < 0 ? (int)quarter + 4 : (int)quarter; i > 0; i--) {
+    for (int i = (int)(e - 4 * floor(e / 4)); i > 0; i--) { // exact, and cheaper than fmod
         double old_x = x;
         x = z;
         z = -old_x;
@@ -59,8 +58,11 @@ struct ap_walk_point ap_walk_path(double edge_m, double offset_m, double u) {
     return p;
 }
 
-double ap_walk_path_heading(double edge_m, double u) {
-    struct ap_walk_point p = ap_walk_path(edge_m, ap_walk_offset_m, u);
+double ap_walk_turn_rad(double angle_rad) {
+    return fabs(angle_rad) <= M_PI ? angle_rad : remainder(angle_rad, 2 * M_PI);
+}
+
+double ap_walk_path_heading(const struct ap_walk_point *p, double u) {
     double near = M_PI_2 * (u + 0.5);
-    return near + remainder(atan2(-p.dx, -p.dz) - near, 2 * M_PI);
+    return near + ap_walk_turn_rad(atan2(-p->dx, -p->dz) - near);
 }

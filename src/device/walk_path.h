@@ -18,9 +18,12 @@ struct ap_walk_point ap_walk_path(double edge_m, double offset_m, double u);
 // How far a person walks from one edge to the next, about.
 double ap_walk_path_edge_length_m(double edge_m);
 
-// Heading of a person who walks along the curve, radians about +y, unwrapped: it grows by pi/2 per
-// edge.
-double ap_walk_path_heading(double edge_m, double u);
+// Heading of a person who walks along the curve and is at its point of u, radians about +y,
+// unwrapped: it grows by pi/2 per edge.
+double ap_walk_path_heading(const struct ap_walk_point *at, double u);
+
+// The same turn between −pi and pi: remainder(angle_rad, 2 pi), which most turns are already.
+double ap_walk_turn_rad(double angle_rad);
 
 // The distance from the table at which a person walks.
 extern const double ap_walk_offset_m;

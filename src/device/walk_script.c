@@ -4,9 +4,13 @@
 
 #include "src/device/walk_path.h"
 
+// What lies wholly before or behind is left out below: it adds exactly nothing.
+
 double ap_walk_ramp(double t, double from, double ramp) {
+    if (t <= from)
+        return 0;
     double x = (t - from) / ramp;
-    return x <= 0 ? 0 : x >= 1 ? 1 : x * x * x * (x * (6 * x - 15) + 10);
+    return x >= 1 ? 1 : x * x * x * (x * (6 * x - 15) + 10);
 }
 
 // 0, then 1 from `on` + ramp to `off`, then 0 from `off` + ramp.
@@ -16,9 +20,9 @@ static double pulse(double t, double on, double off, double ramp) {
 
 // The way covered since `from` by somebody who speeds up to 1 with the same quintic.
 static double ramp_way(double t, double from, double ramp) {
-    double x = (t - from) / ramp;
-    if (x <= 0)
+    if (t <= from)
         return 0;
+    double x = (t - from) / ramp;
     if (x >= 1)
         return ramp * (x - 0.5);
     return ramp * x * x * x * x * (x * (x - 3) + 2.5);
@@ -66,7 +70,7 @@ double ap_walk_script_duration_s(double edge_m) {
 
 static void walk_legs(const struct times *at, double edge_m, double t, struct ap_walk_state *s) {
     double u = START_U, before_u = START_U;
-    for (int i = 0; i < LEG_COUNT; i++) {
+    for (int i = 0; i < LEG_COUNT && t > at->from[i]; i++) {
         const struct leg *leg = &legs[i];
         double brake = at->to[i] - leg->ramp_s;
         double way_s = ramp_way(t, at->from[i], leg->ramp_s) - ramp_way(t, brake, leg->ramp_s);
@@ -80,6 +84,8 @@ static void walk_legs(const struct times *at, double edge_m, double t, struct ap
 
 // One bend over the edge from the time `a`: down, three strokes, the hit, up again.
 static void aim(double a, double t, struct ap_walk_state *s) {
+    if (t <= a || t >= a + 4.5)
+        return;
     s->bend += pulse(t, a, a + 2.9, 1.45);
     double hold = pulse(t, a + 1.3, a + 2.4, 0.4);
     s->stroke += 0.6 * hold * sin(2 * M_PI * 1.5 * (t - a - 1.3));
@@ -94,6 +100,8 @@ static double mix(double from, double to, double part) {
 
 // Turns the attention to another thing.
 static void attend(struct ap_walk_state *s, double table, double way, double shot, double part) {
+    if (part == 0)
+        return;
     s->on_table = mix(s->on_table, table, part);
     s->on_way = mix(s->on_way, way, part);
     s->on_shot = mix(s->on_shot, shot, part);
@@ -102,7 +110,7 @@ static void attend(struct ap_walk_state *s, double table, double way, double sho
 // While walking: mostly where it goes, with a look at the table in every other second.
 static void look_while_walking(double from, double to, double t, struct ap_walk_state *s) {
     attend(s, 0, 1, 0, ap_walk_ramp(t, from - 0.2, 0.7));
-    for (double k = from + 0.9; k + 1.2 < to; k += 2.1) {
+    for (double k = from + 0.9; k + 1.2 < to && t > k; k += 2.1) {
         attend(s, 1, 0, 0, ap_walk_ramp(t, k, 0.5));
         attend(s, 0, 1, 0, ap_walk_ramp(t, k + 1.0, 0.55));
     }
