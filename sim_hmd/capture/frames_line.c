@@ -175,19 +175,20 @@ static const char *kind_name(enum sim_layer_kind kind) {
     return "unknown";
 }
 
-static void put_view(struct sim_line *line, const struct sim_layer_view *v, bool projection) {
+static void put_view(struct sim_line *line, const struct sim_layer *layer, int eye) {
+    const struct sim_layer_view *v = &layer->view[eye];
     put(line, "{");
     put_xr_pose(line, "pose", v->submitted_pose);
     put(line, ",");
     put_pose(line, "stage_pose", v->stage_from_view);
     put(line, ",");
-    if (projection) {
+    if (layer->kind == SIM_LAYER_PROJECTION) {
         put_fov(line, v->fov);
         put(line, ",");
     }
     put_image(line, v);
-    if (v->depth.image)
-        put_depth(line, &v->depth);
+    if (layer->has_depth[eye])
+        put_depth(line, &layer->depth[eye]);
     put(line, "}");
 }
 
@@ -202,10 +203,10 @@ static void put_layer(struct sim_line *line, const XrCompositionLayerBaseHeader 
     put_flags(line, in->layerFlags);
     put(line, ",\"space\":\"%s\",\"eyes\":\"%s\",\"views\":[", space_name(in->space),
         shown <= XR_EYE_VISIBILITY_RIGHT ? eyes[shown] : "unknown");
-    put_view(line, &layer->view[0], projection);
+    put_view(line, layer, 0);
     if (projection) {
         put(line, ",");
-        put_view(line, &layer->view[1], projection);
+        put_view(line, layer, 1);
     }
     put(line, "]}");
 }

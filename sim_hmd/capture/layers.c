@@ -59,7 +59,7 @@ int sim_layer_capture_parts(const struct sim_layer *layer,
     parts[count++] = SIM_PART_LEFT;
     parts[count++] = SIM_PART_RIGHT;
     for (int eye = 0; eye < 2; eye++)
-        if (layer->view[eye].depth.image && layer->view[eye].depth.samples == 1)
+        if (layer->has_depth[eye] && layer->depth[eye].samples == 1)
             parts[count++] = eye ? SIM_PART_DEPTH_RIGHT : SIM_PART_DEPTH_LEFT;
     return count;
 }
@@ -207,7 +207,7 @@ static struct picture picture_of(const struct sim_layer *layer, enum sim_part pa
         return colour_picture(&layer->view[part], 0);
     case SIM_PART_DEPTH_LEFT:
     case SIM_PART_DEPTH_RIGHT:
-        return depth_picture(&layer->view[part - SIM_PART_DEPTH_LEFT].depth);
+        return depth_picture(&layer->depth[part - SIM_PART_DEPTH_LEFT]);
     case SIM_PART_ONLY:
         return colour_picture(&layer->view[0], 0);
     default:

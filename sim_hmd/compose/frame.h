@@ -30,7 +30,7 @@ enum sim_layer_kind {
 // A projection view's depth, as submitted: released like the colours, in
 // VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL. Nothing is composed with it.
 struct sim_layer_depth {
-    VkImage image; // VK_NULL_HANDLE: none came with the view
+    VkImage image;
     VkFormat format;
     uint32_t width_px, height_px, samples, array_layer;
     XrRect2Di rect;
@@ -57,7 +57,6 @@ struct sim_layer_view {
     // The pose is the display's pose of that eye to float rounding and the fov is its very floats:
     // with a rect of the eye's resolution the picture is copied bit for bit.
     bool at_display;
-    struct sim_layer_depth depth; // a projection's
 };
 
 struct sim_layer {
@@ -72,6 +71,8 @@ struct sim_layer {
     // The picture spans this angle about −z from its left to its right; up, a cylinder's runs from
     // its middle height/2 radii, a sphere's from the lower angle to the upper.
     double central_rad, height_radii, upper_rad, lower_rad;
+    bool has_depth[2];               // of a projection's views
+    struct sim_layer_depth depth[2]; // last: not touched where there is none
 };
 
 struct sim_frame {

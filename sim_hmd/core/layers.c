@@ -98,7 +98,7 @@ SIM_HOT static XrResult resolve_pose(XrPosef pose, struct ap_pose stage_from_spa
 
 // A projection's depth is verified and captured, and that is all: nothing is reprojected by place.
 SIM_HOT static XrResult resolve_depth(struct sim_session *session,
-                                      const XrCompositionLayerProjectionView *view,
+                                      const XrCompositionLayerProjectionView *view, bool *has,
                                       struct sim_layer_depth *out) {
     const XrCompositionLayerDepthInfoKHR *depth =
         sim_chained(view, XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR);
@@ -117,6 +117,7 @@ SIM_HOT static XrResult resolve_depth(struct sim_session *session,
             "farZ positive and different",
             "minDepth %g, maxDepth %g, nearZ %g, farZ %g", (double)depth->minDepth,
             (double)depth->maxDepth, (double)depth->nearZ, (double)depth->farZ);
+    *has = true;
     *out = (struct sim_layer_depth){.image = image.image,
                                     .format = image.format,
                                     .width_px = image.width_px,
@@ -134,7 +135,8 @@ SIM_HOT static XrResult resolve_depth(struct sim_session *session,
 SIM_HOT static XrResult resolve_view(struct sim_session *session, const struct sim_frame *frame,
                                      int eye, struct ap_pose stage_from_space,
                                      const XrCompositionLayerProjectionView *in,
-                                     struct sim_layer_view *out) {
+                                     struct sim_layer *layer) {
+    struct sim_layer_view *out = &layer->view[eye];
     if (in->type != XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW)
         return XR_ERROR_VALIDATION_FAILURE;
     XrResult result = resolve_sub_image(&in->subImage, session, false, out);
@@ -147,7 +149,7 @@ SIM_HOT static XrResult resolve_view(struct sim_session *session, const struct s
     out->fov = in->fov;
     out->at_display = same_fov(in->fov, frame->fov[eye]) &&
                       same_pose(out->stage_from_view, frame->stage_from_eye[eye]);
-    return resolve_depth(session, in, &out->depth);
+    return resolve_depth(session, in, &layer->has_depth[eye], &layer->depth[eye]);
 }
 
 SIM_HOT static XrResult resolve_projection(const struct in *in, struct sim_layer *out) {
@@ -159,7 +161,7 @@ SIM_HOT static XrResult resolve_projection(const struct in *in, struct sim_layer
     out->kind = SIM_LAYER_PROJECTION;
     for (int eye = 0; eye < 2; eye++) {
         XrResult result = resolve_view(in->session, in->frame, eye, in->stage_from_space,
-                                       &layer->views[eye], &out->view[eye]);
+                                       &layer->views[eye], out);
         if (result != XR_SUCCESS)
             return result;
     }
@@ -318,7 +320,7 @@ SIM_HOT static XrResult resolve_layer(struct sim_session *session, const struct 
         return XR_ERROR_HANDLE_INVALID;
     if (space->session != session || layer->layerFlags & ~known_flags)
         return XR_ERROR_VALIDATION_FAILURE;
-    memset(out, 0, sizeof *out);
+    memset(out, 0, offsetof(struct sim_layer, depth));
     out->blend_alpha = layer->layerFlags & XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT;
     out->unpremultiplied = layer->layerFlags & XR_COMPOSITION_LAYER_UNPREMULTIPLIED_ALPHA_BIT;
     struct sim_located at = sim_space_in_stage(space, frame->display_time);

@@ -61,6 +61,8 @@ enum { W = 64, H = 48, FRAMES = 3 };
             return result_;                                                                        \
     } while (0)
 
+static atomic_long heard; // messages by messengers
+
 struct life {
     struct client *gpu; // whose device; NULL: without graphics
     XrInstance instance;
@@ -73,11 +75,33 @@ struct life {
     XrPath left;
 };
 
+static XrBool32 XRAPI_CALL hear(XrDebugUtilsMessageSeverityFlagsEXT severity,
+                                XrDebugUtilsMessageTypeFlagsEXT type,
+                                const XrDebugUtilsMessengerCallbackDataEXT *data, void *user) {
+    (void)severity;
+    (void)type;
+    (void)user;
+    heard += data->message && data->message[0];
+    return XR_FALSE;
+}
+
+static const XrDebugUtilsMessengerCreateInfoEXT hears_all = {
+    .type = XR_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+    .messageSeverities = XR_DEBUG_UTILS_MESSAGE_SEVERITY_VERBOSE_BIT_EXT |
+                         XR_DEBUG_UTILS_MESSAGE_SEVERITY_INFO_BIT_EXT |
+                         XR_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                         XR_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+    .messageTypes = XR_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT |
+                    XR_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                    XR_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+    .userCallback = hear};
+
 static XrResult make_instance(struct life *l) {
     const char *names[] = {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME, XR_MND_HEADLESS_EXTENSION_NAME,
                            XR_EXT_DEBUG_UTILS_EXTENSION_NAME, XR_EXT_HAND_TRACKING_EXTENSION_NAME};
     XrInstanceCreateInfo info = {
         .type = XR_TYPE_INSTANCE_CREATE_INFO,
+        .next = &hears_all,
         .applicationInfo = {.applicationName = "test", .apiVersion = XR_MAKE_VERSION(1, 0, 0)},
         .enabledExtensionCount = 4,
         .enabledExtensionNames = names};
@@ -152,6 +176,17 @@ static XrResult name_things(struct life *l) {
     PROC(l, xrSetDebugUtilsObjectNameEXT);
     PROC(l, xrSessionBeginDebugUtilsLabelRegionEXT);
     PROC(l, xrCreateHandTrackerEXT);
+    PROC(l, xrCreateDebugUtilsMessengerEXT);
+    PROC(l, xrSubmitDebugUtilsMessageEXT);
+    XrDebugUtilsMessengerEXT messenger;
+    TRY(xrCreateDebugUtilsMessengerEXT_(l->instance, &hears_all, &messenger));
+    XrDebugUtilsMessengerCallbackDataEXT data = {
+        .type = XR_TYPE_DEBUG_UTILS_MESSENGER_CALLBACK_DATA_EXT,
+        .messageId = "a",
+        .functionName = "b",
+        .message = "words"};
+    TRY(xrSubmitDebugUtilsMessageEXT_(l->instance, XR_DEBUG_UTILS_MESSAGE_SEVERITY_INFO_BIT_EXT,
+                                      XR_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT, &data));
     XrDebugUtilsObjectNameInfoEXT name = {.type = XR_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
                                           .objectType = XR_OBJECT_TYPE_SESSION,
                                           .objectHandle = (uint64_t)(uintptr_t)l->session,
@@ -269,8 +304,10 @@ static void try_every_wish(struct client *gpu, bool all) {
         assert_int_equal(live(gpu), XR_SUCCESS);
         if (!atomic_load(&refused)) {
             assert_int_equal(result, XR_SUCCESS);
-            print_message("%ld wishes, %d programs went home\n", i, failures);
+            print_message("%ld wishes, %d programs went home, %ld messages\n", i, failures,
+                          atomic_load(&heard));
             assert_true(failures > 10);
+            assert_true(atomic_load(&heard) > i); // at least the one that is submitted
             return;
         }
     }
@@ -295,6 +332,17 @@ static void without_graphics(void **state) {
     try_every_wish(NULL, true);
 }
 
+// The lint's own wishes too: its report and its findings. It answers with less, never with a crash.
+static void with_the_lint(void **state) {
+    (void)state;
+    char strict[512];
+    snprintf(strict, sizeof strict, ", \"strict\": true, \"strict_report\": \"%s/strict.jsonl\"",
+             client_folder());
+    settings(strict);
+    try_every_wish(NULL, false);
+    try_every_wish(NULL, true);
+}
+
 static void while_capturing(void **state) {
     (void)state;
     char capture[512];
@@ -315,6 +363,7 @@ static void while_capturing(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(without_graphics),
+        cmocka_unit_test(with_the_lint),
         cmocka_unit_test(while_capturing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
