@@ -1,3 +1,5 @@
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -333,12 +335,110 @@ static void the_runtime_speaks(void **state) {
     settings = "{\"clock\": \"virtual\"}";
 }
 
+// ---- Messengers that come and go while other threads are wrong
+
+enum { THREADS = 4, ROUNDS = 25, INSTANCES = 3 };
+
+struct worker {
+    struct debug *d;
+    atomic_int heard;
+    int failed;
+};
+
+static XrBool32 XRAPI_CALL count(XrDebugUtilsMessageSeverityFlagsEXT severity,
+                                 XrDebugUtilsMessageTypeFlagsEXT types,
+                                 const XrDebugUtilsMessengerCallbackDataEXT *data, void *user) {
+    (void)severity;
+    struct worker *w = user;
+    char text[XR_MAX_RESULT_STRING_SIZE];
+    if (types & XR_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT)
+        atomic_fetch_add(&w->heard, 1);
+    // The runtime may be called.
+    if (!data->message || xrResultToString(w->d->c.instance, XR_SUCCESS, text) != XR_SUCCESS)
+        atomic_store(&w->heard, -1000000);
+    return XR_FALSE;
+}
+
+// Of each function's mistake the first of all threads is told, to all messengers that there are.
+static void be_wrong(const struct debug *d) {
+    const XrInstance i = d->c.instance;
+#define WRONG(name, ...) ((PFN_##name)(uintptr_t)client_proc(i, #name))(__VA_ARGS__)
+    XrPath path;
+    uint32_t n;
+    WRONG(xrStringToPath, i, "x", &path);
+    WRONG(xrPathToString, i, 123456789, 0, &n, NULL);
+    WRONG(xrGetSystem, i, NULL, NULL);
+    WRONG(xrGetSystemProperties, i, 7, NULL);
+    WRONG(xrPollEvent, i, NULL);
+    WRONG(xrCreateActionSet, i, NULL, NULL);
+    WRONG(xrEnumerateViewConfigurations, i, 7, 0, NULL, NULL);
+    WRONG(xrWaitFrame, d->c.session, NULL, NULL);
+    WRONG(xrSyncActions, d->c.session, NULL);
+    WRONG(xrLocateViews, d->c.session, NULL, NULL, 0, NULL, NULL);
+#undef WRONG
+}
+
+static void *work(void *data) {
+    struct worker *w = data;
+    XrDebugUtilsMessengerCreateInfoEXT info = {
+        .type = XR_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverities = XR_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT |
+                             XR_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT,
+        .messageTypes = XR_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+        .userCallback = count,
+        .userData = w};
+    PFN_xrCreateDebugUtilsMessengerEXT create =
+        (PFN_xrCreateDebugUtilsMessengerEXT)(uintptr_t)client_proc(
+            w->d->c.instance, "xrCreateDebugUtilsMessengerEXT");
+    PFN_xrDestroyDebugUtilsMessengerEXT destroy =
+        (PFN_xrDestroyDebugUtilsMessengerEXT)(uintptr_t)client_proc(
+            w->d->c.instance, "xrDestroyDebugUtilsMessengerEXT");
+    for (int k = 0; k < ROUNDS; k++) {
+        XrDebugUtilsMessengerEXT messenger;
+        w->failed += create(w->d->c.instance, &info, &messenger) != XR_SUCCESS;
+        be_wrong(w->d);
+        w->failed += destroy(messenger) != XR_SUCCESS;
+    }
+    return NULL;
+}
+
+static void messengers_come_and_go(void **state) {
+    (void)state;
+    for (int k = 0; k < INSTANCES; k++) {
+        struct debug d = {0};
+        struct worker workers[THREADS];
+        pthread_t threads[THREADS];
+        int heard = 0;
+        settings = "{\"clock\": \"virtual\", \"strict\": true}";
+        start(&d);
+        for (int i = 0; i < THREADS; i++) {
+            workers[i] = (struct worker){.d = &d};
+            assert_int_equal(pthread_create(&threads[i], NULL, work, &workers[i]), 0);
+        }
+        for (int i = 0; i < THREADS; i++) {
+            pthread_join(threads[i], NULL);
+            assert_int_equal(workers[i].failed, 0);
+            assert_true(atomic_load(&workers[i].heard) >= 0);
+            heard += atomic_load(&workers[i].heard);
+        }
+        // Ten functions are wrong; whoever is first has a messenger of its own.
+        if (heard < 10 || heard > 40 * THREADS)
+            fail_msg("%d messages, expected 10 to %d", heard, 40 * THREADS);
+        client_stop(&d.c);
+    }
+    settings = "{\"clock\": \"virtual\"}";
+}
+
 #define TEST(name) cmocka_unit_test_teardown(name, client_teardown)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        TEST(messages_go_to_those_who_want_them), TEST(objects_have_names), TEST(labels_nest),
-        TEST(what_is_wrong_is_refused),           TEST(the_runtime_speaks),
+        TEST(messages_go_to_those_who_want_them),
+        TEST(objects_have_names),
+        TEST(labels_nest),
+        TEST(what_is_wrong_is_refused),
+        TEST(the_runtime_speaks),
+        TEST(messengers_come_and_go),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
