@@ -16,86 +16,41 @@ extern const struct sim_values sim_values_XrReferenceSpaceType;
 extern const struct sim_values sim_values_XrResult;
 extern const struct sim_values sim_values_XrViewConfigurationType;
 extern const struct sim_values sim_values_XrVisibilityMaskTypeKHR;
-extern const struct sim_spec sim_spec_XrApiLayerProperties;
-extern const struct sim_spec sim_spec_XrExtensionProperties;
-extern const struct sim_spec sim_spec_XrApplicationInfo;
-extern const struct sim_spec sim_spec_XrInstanceCreateInfo;
-extern const struct sim_spec sim_spec_XrInstanceProperties;
-extern const struct sim_spec sim_spec_XrEventDataBuffer;
-extern const struct sim_spec sim_spec_XrSystemGetInfo;
-extern const struct sim_spec sim_spec_XrSystemProperties;
-extern const struct sim_spec sim_spec_XrSessionCreateInfo;
-extern const struct sim_spec sim_spec_XrReferenceSpaceCreateInfo;
-extern const struct sim_spec sim_spec_XrActionSpaceCreateInfo;
-extern const struct sim_spec sim_spec_XrSpaceLocation;
-extern const struct sim_spec sim_spec_XrViewConfigurationProperties;
-extern const struct sim_spec sim_spec_XrViewConfigurationView;
-extern const struct sim_spec sim_spec_XrSwapchainCreateInfo;
-extern const struct sim_spec sim_spec_XrSwapchainImageAcquireInfo;
-extern const struct sim_spec sim_spec_XrSwapchainImageWaitInfo;
-extern const struct sim_spec sim_spec_XrSwapchainImageReleaseInfo;
-extern const struct sim_spec sim_spec_XrSessionBeginInfo;
-extern const struct sim_spec sim_spec_XrFrameWaitInfo;
-extern const struct sim_spec sim_spec_XrFrameState;
-extern const struct sim_spec sim_spec_XrFrameBeginInfo;
-extern const struct sim_spec sim_spec_XrFrameEndInfo;
-extern const struct sim_spec sim_spec_XrViewLocateInfo;
-extern const struct sim_spec sim_spec_XrViewState;
-extern const struct sim_spec sim_spec_XrView;
-extern const struct sim_spec sim_spec_XrActionSetCreateInfo;
-extern const struct sim_spec sim_spec_XrActionCreateInfo;
-extern const struct sim_spec sim_spec_XrActionSuggestedBinding;
-extern const struct sim_spec sim_spec_XrInteractionProfileSuggestedBinding;
-extern const struct sim_spec sim_spec_XrSessionActionSetsAttachInfo;
-extern const struct sim_spec sim_spec_XrInteractionProfileState;
-extern const struct sim_spec sim_spec_XrActionStateGetInfo;
-extern const struct sim_spec sim_spec_XrActionStateBoolean;
-extern const struct sim_spec sim_spec_XrActionStateFloat;
-extern const struct sim_spec sim_spec_XrActionStateVector2f;
-extern const struct sim_spec sim_spec_XrActionStatePose;
-extern const struct sim_spec sim_spec_XrActiveActionSet;
-extern const struct sim_spec sim_spec_XrActionsSyncInfo;
-extern const struct sim_spec sim_spec_XrBoundSourcesForActionEnumerateInfo;
-extern const struct sim_spec sim_spec_XrInputSourceLocalizedNameGetInfo;
-extern const struct sim_spec sim_spec_XrHapticActionInfo;
-extern const struct sim_spec sim_spec_XrDebugUtilsObjectNameInfoEXT;
-extern const struct sim_spec sim_spec_XrDebugUtilsMessengerCreateInfoEXT;
-extern const struct sim_spec sim_spec_XrDebugUtilsLabelEXT;
-extern const struct sim_spec sim_spec_XrDebugUtilsMessengerCallbackDataEXT;
-extern const struct sim_spec sim_spec_XrGraphicsRequirementsVulkanKHR;
-extern const struct sim_spec sim_spec_XrVisibilityMaskKHR;
-extern const struct sim_spec sim_spec_XrHandTrackerCreateInfoEXT;
-extern const struct sim_spec sim_spec_XrHandJointsLocateInfoEXT;
-extern const struct sim_spec sim_spec_XrHandJointLocationsEXT;
-extern const struct sim_spec sim_spec_XrVulkanInstanceCreateInfoKHR;
-extern const struct sim_spec sim_spec_XrVulkanDeviceCreateInfoKHR;
-extern const struct sim_spec sim_spec_XrVulkanGraphicsDeviceGetInfoKHR;
-extern const struct sim_spec sim_spec_XrCompositionLayerCubeKHR;
-extern const struct sim_spec sim_spec_XrSwapchainSubImage;
-extern const struct sim_spec sim_spec_XrCompositionLayerDepthInfoKHR;
-extern const struct sim_spec sim_spec_XrCompositionLayerCylinderKHR;
-extern const struct sim_spec sim_spec_XrCompositionLayerEquirectKHR;
-extern const struct sim_spec sim_spec_XrGraphicsBindingVulkanKHR;
-extern const struct sim_spec sim_spec_XrSwapchainImageVulkanKHR;
-extern const struct sim_spec sim_spec_XrSystemEyeGazeInteractionPropertiesEXT;
-extern const struct sim_spec sim_spec_XrEyeGazeSampleTimeEXT;
-extern const struct sim_spec sim_spec_XrEventDataVisibilityMaskChangedKHR;
-extern const struct sim_spec sim_spec_XrCompositionLayerColorScaleBiasKHR;
-extern const struct sim_spec sim_spec_XrViewConfigurationDepthRangeEXT;
-extern const struct sim_spec sim_spec_XrSystemHandTrackingPropertiesEXT;
-extern const struct sim_spec sim_spec_XrHandJointVelocitiesEXT;
-extern const struct sim_spec sim_spec_XrViewConfigurationViewFovEPIC;
-extern const struct sim_spec sim_spec_XrHandJointsMotionRangeInfoEXT;
-extern const struct sim_spec sim_spec_XrCompositionLayerEquirect2KHR;
-extern const struct sim_spec sim_spec_XrEventDataDisplayRefreshRateChangedFB;
-extern const struct sim_spec sim_spec_XrCompositionLayerProjectionView;
-extern const struct sim_spec sim_spec_XrCompositionLayerProjection;
-extern const struct sim_spec sim_spec_XrCompositionLayerQuad;
-extern const struct sim_spec sim_spec_XrHapticVibration;
-extern const struct sim_spec sim_spec_XrSpaceVelocity;
-extern const struct sim_spec sim_spec_XrSpacesLocateInfo;
-extern const struct sim_spec sim_spec_XrSpaceLocations;
-extern const struct sim_spec sim_spec_XrSpaceVelocities;
+
+// The structures that the lint knows, each described in spec.c.
+// clang-format off
+#define SIM_SPECS(X) \
+    X(XrApiLayerProperties) X(XrExtensionProperties) X(XrApplicationInfo) \
+    X(XrInstanceCreateInfo) X(XrInstanceProperties) X(XrEventDataBuffer) X(XrSystemGetInfo) \
+    X(XrSystemProperties) X(XrSessionCreateInfo) X(XrReferenceSpaceCreateInfo) \
+    X(XrActionSpaceCreateInfo) X(XrSpaceLocation) X(XrViewConfigurationProperties) \
+    X(XrViewConfigurationView) X(XrSwapchainCreateInfo) X(XrSwapchainImageAcquireInfo) \
+    X(XrSwapchainImageWaitInfo) X(XrSwapchainImageReleaseInfo) X(XrSessionBeginInfo) \
+    X(XrFrameWaitInfo) X(XrFrameState) X(XrFrameBeginInfo) X(XrFrameEndInfo) X(XrViewLocateInfo) \
+    X(XrViewState) X(XrView) X(XrActionSetCreateInfo) X(XrActionCreateInfo) \
+    X(XrActionSuggestedBinding) X(XrInteractionProfileSuggestedBinding) \
+    X(XrSessionActionSetsAttachInfo) X(XrInteractionProfileState) X(XrActionStateGetInfo) \
+    X(XrActionStateBoolean) X(XrActionStateFloat) X(XrActionStateVector2f) X(XrActionStatePose) \
+    X(XrActiveActionSet) X(XrActionsSyncInfo) X(XrBoundSourcesForActionEnumerateInfo) \
+    X(XrInputSourceLocalizedNameGetInfo) X(XrHapticActionInfo) X(XrDebugUtilsObjectNameInfoEXT) \
+    X(XrDebugUtilsMessengerCreateInfoEXT) X(XrDebugUtilsLabelEXT) \
+    X(XrDebugUtilsMessengerCallbackDataEXT) X(XrGraphicsRequirementsVulkanKHR) \
+    X(XrVisibilityMaskKHR) X(XrHandTrackerCreateInfoEXT) X(XrHandJointsLocateInfoEXT) \
+    X(XrHandJointLocationsEXT) X(XrVulkanInstanceCreateInfoKHR) X(XrVulkanDeviceCreateInfoKHR) \
+    X(XrVulkanGraphicsDeviceGetInfoKHR) X(XrCompositionLayerCubeKHR) X(XrSwapchainSubImage) \
+    X(XrCompositionLayerDepthInfoKHR) X(XrCompositionLayerCylinderKHR) \
+    X(XrCompositionLayerEquirectKHR) X(XrGraphicsBindingVulkanKHR) X(XrSwapchainImageVulkanKHR) \
+    X(XrSystemEyeGazeInteractionPropertiesEXT) X(XrEyeGazeSampleTimeEXT) \
+    X(XrEventDataVisibilityMaskChangedKHR) X(XrCompositionLayerColorScaleBiasKHR) \
+    X(XrViewConfigurationDepthRangeEXT) X(XrSystemHandTrackingPropertiesEXT) \
+    X(XrHandJointVelocitiesEXT) X(XrViewConfigurationViewFovEPIC) \
+    X(XrHandJointsMotionRangeInfoEXT) X(XrCompositionLayerEquirect2KHR) \
+    X(XrEventDataDisplayRefreshRateChangedFB) X(XrCompositionLayerProjectionView) \
+    X(XrCompositionLayerProjection) X(XrCompositionLayerQuad) X(XrHapticVibration) \
+    X(XrSpaceVelocity) X(XrSpacesLocateInfo) X(XrSpaceLocations) X(XrSpaceVelocities)
+// clang-format on
+#define SIM_SPEC_EXTERN(S) extern const struct sim_spec sim_spec_##S;
+SIM_SPECS(SIM_SPEC_EXTERN)
 
 // What programs hand over as a base header is one of these here.
 #define sim_spec_XrHapticBaseHeader sim_spec_XrHapticVibration
