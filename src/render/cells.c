@@ -6,6 +6,7 @@
 
 #include "src/base/log.h"
 
+enum { UNKNOWN = -1, NONE_HOLDS = -2 };
 static const double PI = 3.14159265358979323846;
 
 // What one frame has in common.
@@ -18,8 +19,7 @@ struct frame {
     struct ap_sides sides;
     double horizon_m, faint_m; // where parts are gone, and where they begin to fade
     double least_rad;          // the half angle that is no longer drawn
-    double max_error_px;
-    bool no_cull;
+    const struct ap_list_params *what;
     struct ap_cell_view *view;
     struct ap_draw_list *list;
     struct ap_iso cell_from_hand[2];
@@ -71,20 +71,27 @@ static struct ap_iso unmirrored(struct ap_iso m) {
     return m;
 }
 
-static struct ap_mesh mesh_of(const struct frame *f, size_t index, bool near_cell,
-                              const struct ap_place *place) {
-    size_t s = f->meshes->shape_of_part[index];
+// Near by each part has a mesh of its own, farther off the whole cell has one level of each shape,
+// as long as that is good enough.
+static enum ap_status choose_mesh(struct ap_error *err, const struct frame *f,
+                                  const struct ap_seen_cell *cell, bool near_cell,
+                                  const struct ap_place *place, struct ap_draw_item *item) {
+    const struct ap_part *part = &f->scene->parts[item->part];
+    size_t s = f->meshes->shape_of_part[item->part];
     const struct ap_shape *shape = &f->meshes->shapes[s];
     signed char *level = &f->view->level[s];
-    // Near by each part has its own, farther off the whole cell has one.
-    if (near_cell || *level < 0) {
-        int chosen;
-        bool held = ap_choose_level(f->viewer, f->eyes, &f->scene->parts[index], shape, place,
-                                    f->max_error_px, &chosen);
-        f->list->stats.beyond_bound += !held;
-        *level = (signed char)chosen;
-    }
-    return shape->mesh[*level];
+    int chosen;
+    struct ap_place whole = *place;
+    whole.nose_from_part = cell->nose_from_cell;
+    if (!near_cell && *level == UNKNOWN)
+        *level =
+            ap_choose_level(f->viewer, f->eyes, part, shape, &whole, f->what->max_error_px, &chosen)
+                ? (signed char)chosen
+                : NONE_HOLDS;
+    if (near_cell || *level == NONE_HOLDS)
+        return ap_draw_list_mesh(err, f->what, place, f->list, item);
+    item->mesh = shape->mesh[*level];
+    return AP_OK;
 }
 
 static enum ap_pipeline_kind pipeline_of(const struct ap_part *part, bool guard) {
@@ -126,7 +133,8 @@ static float hand_brightness(const struct frame *f, const struct ap_seen_cell *c
     return (float)fmin(1, fmax(0, size / sin(f->least_rad) - 1));
 }
 
-static void add(const struct frame *f, const struct ap_seen_cell *cell, size_t index) {
+static enum ap_status add(struct ap_error *err, const struct frame *f,
+                          const struct ap_seen_cell *cell, size_t index) {
     const struct ap_part *part = &f->scene->parts[index];
     struct ap_space space = f->viewer->space;
     double rho = space.rho_m, reach_m = f->meshes->reach_m[index];
@@ -137,11 +145,11 @@ static void add(const struct frame *f, const struct ap_seen_cell *cell, size_t i
     if (is_hand(part))
         item.brightness *= hand_brightness(f, cell, reach_m);
     if (item.brightness <= 0)
-        return;
+        return AP_OK;
     place_item(f, cell, part, &item);
     struct ap_vec4 centre = {rho * item.nose_from_part.m[0][3], rho * item.nose_from_part.m[1][3],
                              rho * item.nose_from_part.m[2][3], rho * item.nose_from_part.m[3][3]};
-    if (!f->no_cull && f->viewer->mode != AP_VIEW_BORN && cell->within != 3)
+    if (!f->what->no_cull && f->viewer->mode != AP_VIEW_BORN && cell->within != 3)
         item.eyes = ap_sides_see_ball(&f->sides, space, centre, reach_m, cell->image);
     item.eyes &= ~f->input->closed_eyes;
     struct ap_place place = {
@@ -152,12 +160,15 @@ static void add(const struct frame *f, const struct ap_seen_cell *cell, size_t i
         place.near_m = fmax(0, d - reach_m);
         place.far_m = space.kappa > 0 ? fmin(d + reach_m, PI * rho) : d + reach_m;
     }
-    item.mesh = item.eyes ? mesh_of(f, index, near_cell, &place)
-                          : f->meshes->shapes[f->meshes->shape_of_part[index]].mesh[0];
+    item.mesh = f->meshes->shapes[f->meshes->shape_of_part[index]].mesh[0];
     item.pipeline = pipeline_of(part, ap_needs_guard(f->viewer, f->eyes, &place));
+    enum ap_status st = item.eyes ? choose_mesh(err, f, cell, near_cell, &place, &item) : AP_OK;
+    if (st)
+        return st;
     double turn = 2 * PI * rho;
     ap_draw_list_add(f->list, f->viewer, &item, cell->image ? turn - place.far_m : place.near_m,
                      cell->image ? turn - place.near_m : place.far_m);
+    return AP_OK;
 }
 
 static bool missing(const struct frame *f, const struct ap_part *part) {
@@ -221,8 +232,7 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
                       .input = what->input,
                       .viewer = viewer,
                       .eyes = what->eyes,
-                      .max_error_px = what->max_error_px,
-                      .no_cull = what->no_cull,
+                      .what = what,
                       .view = view,
                       .list = list,
                       .sides = ap_sides_of(viewer)};
@@ -242,10 +252,10 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
     st = ap_draw_list_reserve(err, 2 * view->part_count * view->portal.count, list);
     for (size_t i = 0; !st && i < view->portal.count; i++) {
         const struct ap_seen_cell *cell = &view->portal.seen[i];
-        memset(view->level, -1, view->shape_count);
-        for (size_t k = 0; k < view->part_count; k++)
+        memset(view->level, UNKNOWN, view->shape_count);
+        for (size_t k = 0; !st && k < view->part_count; k++)
             if (!missing(&f, &scene->parts[view->parts[k]]))
-                add(&f, cell, view->parts[k]);
+                st = add(err, &f, cell, view->parts[k]);
     }
     return st;
 }

@@ -146,9 +146,9 @@ void ap_draw_list_sort(struct ap_draw_list *list) {
 // which is fine only where it is looked at; and no frame gets more of those than…
 enum { AHEAD_MAX = 2000, REFINED_MAX = 400000 };
 
-static enum ap_status choose_mesh(struct ap_error *err, const struct ap_list_params *params,
-                                  const struct ap_place *place, struct ap_draw_list *list,
-                                  struct ap_draw_item *item) {
+enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,
+                                 const struct ap_place *place, struct ap_draw_list *list,
+                                 struct ap_draw_item *item) {
     const struct ap_viewer *viewer = &params->input->viewer;
     const struct ap_part *part = &params->scene->parts[item->part];
     const struct ap_shape *shape =
@@ -158,20 +158,21 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct ap_list_par
         ap_choose_level(viewer, params->eyes, part, shape, place, params->max_error_px, &level);
     item->mesh = shape->mesh[level];
     size_t used = list->refined.index_count / 3;
-    if (part->kind == AP_PART_SOLID || (held && item->mesh.index_count / 3 <= AHEAD_MAX) ||
-        used >= REFINED_MAX) {
+    bool fixed = part->kind == AP_PART_SOLID && part->form == AP_FORM_FACETS;
+    if (fixed || (held && item->mesh.index_count / 3 <= AHEAD_MAX) || used >= REFINED_MAX) {
         list->stats.beyond_bound += !held;
         return AP_OK;
     }
-    const struct ap_refine_params refine = {.viewer = viewer,
-                                            .eyes = params->eyes,
-                                            .nose_from_part = item->nose_from_part,
-                                            .image = item->image,
-                                            .max_error_px = params->max_error_px,
-                                            .closed = item->pipeline == AP_PIPELINE_CLOSED ||
-                                                      item->pipeline == AP_PIPELINE_BALLS ||
-                                                      item->pipeline == AP_PIPELINE_STICKS,
-                                            .triangles_max = REFINED_MAX - used};
+    const struct ap_refine_params refine = {
+        .viewer = viewer,
+        .eyes = params->eyes,
+        .nose_from_part = item->nose_from_part,
+        .image = item->image,
+        .max_error_px = params->max_error_px,
+        .solid = part->kind == AP_PART_SOLID ? &params->scene->solids[part->solid] : NULL,
+        .closed = item->pipeline == AP_PIPELINE_CLOSED || item->pipeline == AP_PIPELINE_BALLS ||
+                  item->pipeline == AP_PIPELINE_STICKS,
+        .triangles_max = REFINED_MAX - used};
     item->refined = true;
     list->stats.refined++;
     enum ap_status st =
@@ -247,7 +248,7 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
             st = add_disc(err, params, list, &item, range_m, &of);
         if (st == AP_OK && item.eyes != 0) {
             item.pipeline = pipeline_for(part, guard, params->input->plain);
-            st = choose_mesh(err, params, &place, list, &item);
+            st = ap_draw_list_mesh(err, params, &place, list, &item);
         }
         if (st == AP_OK && of != 0)
             add_image(list, viewer, item, of, range_m[0], range_m[1]);

@@ -54,6 +54,12 @@ enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_para
 // Room for so many more items.
 enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap_draw_list *list);
 
+// Gives an item, whose place, image and pipeline are known, a mesh that holds the bound: one made
+// ahead, or where none does (or only a large one) one for this frame. Counts what cannot hold it.
+enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,
+                                 const struct ap_place *place, struct ap_draw_list *list,
+                                 struct ap_draw_item *item);
+
 // Adds one part in one image, seen at distances near_m…far_m, if an eye sees it; counts it if not.
 void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,
                       const struct ap_draw_item *item, double near_m, double far_m);

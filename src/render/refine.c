@@ -16,14 +16,14 @@ static const double BULGE = 0.6;
 // is 5 % off.
 static const double DEPTH_SHARE = 0.02;
 static const uint32_t NOT_CUT = UINT32_MAX;
-enum { AROUND = 8, DEEPEST = 60 };
+enum { AROUND = 8, DEEPEST = 60, NODE_BITS = 28, PART_MAX = 255 };
 
 struct ap_refine_node {
     struct ap_surface_point point;
 };
 
 struct ap_refine_edge {
-    uint64_t key; // both ends; 0: free
+    uint64_t key; // what is at hand, and both ends; free where it is of something else
     uint32_t middle;
 };
 
@@ -83,9 +83,13 @@ static void push(struct work *w, uint32_t depth, uint32_t a, uint32_t b, uint32_
 
 // --- edges
 
+static bool in_use(const struct ap_refiner *r, size_t slot) {
+    return r->edges[slot].key >> (2 * NODE_BITS) == r->part;
+}
+
 static size_t slot_of(const struct ap_refiner *r, uint64_t key) {
     size_t i = (size_t)(key * 0x9e3779b97f4a7c15u >> 20) & (r->edge_space - 1);
-    while (r->edges[i].key && r->edges[i].key != key)
+    while (in_use(r, i) && r->edges[i].key != key)
         i = (i + 1) & (r->edge_space - 1);
     return i;
 }
@@ -102,7 +106,7 @@ static bool rehash(struct work *w) {
     r->edges = made;
     r->edge_space = space;
     for (size_t i = 0; i < count; i++)
-        if (old[i].key)
+        if (old[i].key >> (2 * NODE_BITS) == r->part)
             made[slot_of(r, old[i].key)] = old[i];
     free(old);
     return true;
@@ -133,7 +137,7 @@ static bool matters(const struct work *w, const struct ap_surface_point *a,
 static bool too_long(const struct work *w, const struct ap_surface_point *a,
                      const struct ap_surface_point *b, const struct ap_surface_point *m) {
     const struct ap_surface *s = &w->surface;
-    bool sheet = s->part->kind == AP_PART_POLYGON, born = s->mode == AP_VIEW_BORN;
+    bool sheet = s->shape == AP_SURFACE_SHEET, born = s->mode == AP_VIEW_BORN;
     if (s->mode == AP_VIEW_TOURIST || (sheet && s->space.kappa == 0 && !born))
         return false;
     // Near an antipode the surface may bulge straight away from both eyes without end.
@@ -160,7 +164,7 @@ static bool close_enough(const struct work *w, const struct ap_surface_point *a,
     double bound = SHARE * w->params->max_error_px;
     if (too_long(w, a, b, m) || !(ap_surface_error_px(s, eyes, a, b, m) <= bound))
         return false;
-    if (s->part->kind != AP_PART_STICK)
+    if (s->shape != AP_SURFACE_TUBE)
         return true;
     // What runs around an axis as well as along it is seen as an S, whose middle says nothing.
     struct ap_surface_point first = ap_surface_middle(s, a, m), last = ap_surface_middle(s, m, b);
@@ -186,9 +190,9 @@ static uint32_t middle_of(struct work *w, uint32_t i, uint32_t j) {
     uint32_t low = i < j ? i : j, high = i < j ? j : i;
     if (3 * r->edge_count >= 2 * r->edge_space && !rehash(w))
         return NOT_CUT;
-    uint64_t key = (uint64_t)high << 32 | low; // high > 0, so never 0
+    uint64_t key = (((uint64_t)r->part << NODE_BITS | high) << NODE_BITS) | low;
     size_t slot = slot_of(r, key);
-    if (r->edges[slot].key)
+    if (in_use(r, slot))
         return r->edges[slot].middle;
     const struct ap_surface_point *a = &r->nodes[low].point, *b = &r->nodes[high].point;
     struct ap_surface_point m = ap_surface_middle(&w->surface, a, b);
@@ -235,7 +239,8 @@ static bool out_of_sight(const struct work *w, const struct triangle *t) {
 static bool turned_away(const struct work *w, const struct triangle *t) {
     const struct ap_surface_point *p[3];
     // s3 is stretched across the line of sight, so that angles there say nothing about a surface's.
-    if (!w->params->closed || w->surface.space.kappa > 0 || w->surface.mode == AP_VIEW_BORN)
+    if (!w->params->closed || w->surface.shape == AP_SURFACE_SHEET || w->surface.space.kappa > 0 ||
+        w->surface.mode == AP_VIEW_BORN)
         return false;
     double span = 0;
     for (int i = 0; i < 3; i++)
@@ -364,6 +369,22 @@ static void begin_polygon(struct work *w) {
         push(w, 0, 0, (uint32_t)(i == 0 ? part->sides : i), (uint32_t)i + 1);
 }
 
+// From the coarsest of its meshes made ahead.
+static void begin_solid(struct work *w) {
+    const struct ap_solid *solid = w->params->solid;
+    double rho = w->surface.space.rho_m;
+    for (size_t i = 0; i < solid->vertex_count && w->st == AP_OK; i++) {
+        const float *v = solid->positions + 3 * i;
+        struct ap_vec4 p = ap_exp(w->surface.space, (struct ap_vec3){v[0], v[1], v[2]});
+        struct ap_surface_point point = ap_surface_point_of(
+            &w->surface, (struct ap_vec4){p.x / rho, p.y / rho, p.z / rho, p.w / rho});
+        ap_surface_see(&w->surface, &point);
+        add_node(w, point);
+    }
+    for (size_t i = 0; i + 2 < solid->index_count && w->st == AP_OK; i += 3)
+        push(w, 0, solid->indices[i], solid->indices[i + 1], solid->indices[i + 2]);
+}
+
 static void write_nodes(struct work *w) {
     for (size_t i = 0; w->st == AP_OK && i < w->r->node_count; i++) {
         const struct ap_surface_point *point = &w->r->nodes[i].point;
@@ -384,10 +405,11 @@ enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
     double rho = params->viewer->space.rho_m;
     w.shortest = fmin(AP_NEAR_M / 3 / rho, 1e-3);
     double radius = fmax(part->radius_m, part->radius2_m) / rho;
-    if (part->kind != AP_PART_POLYGON)
+    if (w.surface.shape != AP_SURFACE_SHEET)
         w.shortest = fmin(w.shortest, 0.005 * radius);
     r->node_count = r->edge_count = 0;
-    if (r->edges)
+    r->part = r->part % PART_MAX + 1;
+    if (r->edges && r->part == 1)
         memset(r->edges, 0, r->edge_space * sizeof *r->edges);
     struct ap_mesh made = ap_mesh_data_begin(data);
     if (part->kind == AP_PART_BALL)
@@ -396,6 +418,8 @@ enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
         begin_stick(&w);
     else if (part->kind == AP_PART_POLYGON)
         begin_polygon(&w);
+    else
+        begin_solid(&w);
     if (w.st == AP_OK)
         refine_all(&w);
     if (w.st == AP_OK)

@@ -13,7 +13,8 @@ struct ap_refine_params {
     const struct ap_eyes *eyes;
     struct ap_iso nose_from_part;
     int image;
-    double max_error_px; // of either eye's picture
+    const struct ap_solid *solid; // of a solid with a form: the coarsest of its meshes made ahead
+    double max_error_px;          // of either eye's picture
     size_t triangles_max;
     bool closed; // back faces are not drawn: they need not be fine
 };
@@ -23,13 +24,15 @@ struct ap_refiner {
     struct ap_refine_node *nodes;
     struct ap_refine_edge *edges; // open addressing, a power of two
     size_t node_count, node_space, edge_count, edge_space;
+    uint32_t part; // counts, so that a small part need not clear what a large one used
 };
 void ap_refiner_finish(struct ap_refiner *refiner);
 
-// Appends the mesh of a ball, a stick or a polygon to data. *held: false where triangles_max was
-// reached, or edges of less than a third of AP_NEAR_M (or 1e-3 rho) still miss the bound outside
-// the forbidden millimetre; the mesh is whole all the same. Edges are cut by what their ends are
-// alone, so neighbours share their cuts and nothing gapes. AP_ENVIRONMENT: no memory.
+// Appends the mesh of a ball, a stick, a polygon or a solid with a form to data. *held: false where
+// triangles_max was reached, or edges of less than a third of AP_NEAR_M (or 1e-3 rho) still miss
+// the bound outside the forbidden millimetre; the mesh is whole all the same. Edges are cut by what
+// their ends are alone, so neighbours share their cuts and nothing gapes. AP_ENVIRONMENT: no
+// memory.
 //
 // The bound is on the middle of each edge, tightened by 3/4: inside a triangle a quadratic error is
 // at most 4/3 of its edges' largest. Worst measured over random places: tests/render/test_refine.c.

@@ -12,10 +12,18 @@ static struct ap_vec3 unit(struct ap_vec3 v) {
     return n > 0 ? ap_vec3_scale(1 / n, v) : v;
 }
 
+enum ap_surface_shape ap_surface_shape_of(const struct ap_part *part) {
+    if (part->kind == AP_PART_BALL || part->form == AP_FORM_SPHERE)
+        return AP_SURFACE_BALL;
+    return part->kind == AP_PART_STICK || part->form == AP_FORM_TUBE ? AP_SURFACE_TUBE
+                                                                     : AP_SURFACE_SHEET;
+}
+
 struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                                 const struct ap_part *part, struct ap_iso nose_from_part,
                                 int image) {
     struct ap_surface s = {.part = part,
+                           .shape = ap_surface_shape_of(part),
                            .space = viewer->space,
                            .mode = viewer->mode,
                            .born = ap_viewer_born(viewer),
@@ -32,11 +40,31 @@ struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_
 
 // The radius of a ball, or of a stick at the place `at` along its axis, over rho.
 static double stick_radius(const struct ap_surface *s, double at) {
-    if (s->part->kind == AP_PART_BALL)
+    if (s->part->kind != AP_PART_STICK)
         return s->part->radius_m / s->space.rho_m;
     double t = at * s->space.rho_m / s->part->length_m + 0.5;
     t = fmin(fmax(t, 0), 1);
     return (s->part->radius_m + t * (s->part->radius2_m - s->part->radius_m)) / s->space.rho_m;
+}
+
+// The axis of a stick is z, that of a solid's tube x.
+static struct ap_vec4 turned(const struct ap_surface *s, struct ap_vec4 p) {
+    return s->part->form == AP_FORM_TUBE ? (struct ap_vec4){p.z, p.x, p.y, p.w} : p;
+}
+
+struct ap_surface_point ap_surface_point_of(const struct ap_surface *s, struct ap_vec4 p) {
+    struct ap_surface_point point = {.p = p};
+    if (s->shape == AP_SURFACE_SHEET)
+        point.p.y = 0;
+    else if (s->shape == AP_SURFACE_BALL)
+        point.from = unit((struct ap_vec3){p.x, p.y, p.z});
+    else {
+        point.from = unit((struct ap_vec3){p.y, p.z, 0});
+        point.along = s->space.kappa > 0   ? atan2(p.x, p.w)
+                      : s->space.kappa < 0 ? atanh(p.x / p.w)
+                                           : p.x / p.w;
+    }
+    return point;
 }
 
 // A point as far as `across` is the sine and `home` the cosine of, from the axis; with those turned
@@ -49,21 +77,21 @@ static struct ap_vec4 around_axis(struct ap_space space, const struct ap_surface
 }
 
 struct ap_vec4 ap_surface_normal(const struct ap_surface *s, const struct ap_surface_point *point) {
-    double r = stick_radius(s, point->along);
+    if (s->shape == AP_SURFACE_SHEET)
+        return (struct ap_vec4){0, 1, 0, 0};
     if (s->part->kind == AP_PART_BALL)
         return (struct ap_vec4){point->from.x, point->from.y, point->from.z, 0};
-    if (s->part->kind == AP_PART_STICK)
-        return around_axis(s->space, point, ap_space_cos(s->space, r),
-                           -s->space.kappa * ap_space_sin(s->space, r));
-    return (struct ap_vec4){0, 1, 0, 0};
+    double r = stick_radius(s, point->along);
+    return turned(s, around_axis(s->space, point, ap_space_cos(s->space, r),
+                                 -s->space.kappa * ap_space_sin(s->space, r)));
 }
 
 void ap_surface_see(const struct ap_surface *s, struct ap_surface_point *point) {
     double rho = s->space.rho_m;
-    if (s->part->kind != AP_PART_POLYGON) {
+    if (s->shape != AP_SURFACE_SHEET) {
         double r = stick_radius(s, point->along);
-        point->p =
-            around_axis(s->space, point, ap_space_sin(s->space, r), ap_space_cos(s->space, r));
+        point->p = turned(
+            s, around_axis(s->space, point, ap_space_sin(s->space, r), ap_space_cos(s->space, r)));
     }
     struct ap_vec4 p_m = {rho * point->p.x, rho * point->p.y, rho * point->p.z, rho * point->p.w};
     if (s->mode == AP_VIEW_TOURIST) {
@@ -92,7 +120,7 @@ struct ap_surface_point ap_surface_middle(const struct ap_surface *s,
                                           const struct ap_surface_point *a,
                                           const struct ap_surface_point *b) {
     struct ap_surface_point m = {0};
-    if (s->part->kind != AP_PART_POLYGON) {
+    if (s->shape != AP_SURFACE_SHEET) {
         m.along = (a->along + b->along) / 2;
         m.from = unit(ap_vec3_add(a->from, b->from));
     } else {
@@ -141,7 +169,7 @@ double ap_surface_error_px(const struct ap_surface *s, const struct ap_eyes *eye
                            const struct ap_surface_point *a, const struct ap_surface_point *b,
                            const struct ap_surface_point *m) {
     double worst = 0;
-    bool native = s->mode == AP_VIEW_NATIVE, sheet = s->part->kind == AP_PART_POLYGON;
+    bool native = s->mode == AP_VIEW_NATIVE, sheet = s->shape == AP_SURFACE_SHEET;
     if (sheet && (s->mode == AP_VIEW_TOURIST || (native && s->space.kappa == 0)))
         return 0; // geodesics are straight there
     sheet &= native;

@@ -6,8 +6,12 @@
 
 // The surface of a part by coordinates of its own, and where two eyes see a point of it.
 
-// Of a ball and a stick: the place along the axis over rho (a ball's is 0), and the unit vector
-// from there, across a stick but in its caps. Polygons need neither.
+// What a part is, as far as its surface goes: solids with a form are one of the other three.
+enum ap_surface_shape { AP_SURFACE_BALL, AP_SURFACE_TUBE, AP_SURFACE_SHEET };
+enum ap_surface_shape ap_surface_shape_of(const struct ap_part *part);
+
+// Of a ball and a tube: the place along the axis over rho (a ball's is 0), and the unit vector
+// from there, across a tube but in a stick's caps. Sheets need neither.
 struct ap_surface_point {
     double along;
     struct ap_vec3 from;
@@ -18,6 +22,7 @@ struct ap_surface_point {
 
 struct ap_surface {
     const struct ap_part *part;
+    enum ap_surface_shape shape;
     struct ap_space space;
     enum ap_view_mode mode;
     struct ap_space born; // of AP_VIEW_BORN
@@ -31,7 +36,10 @@ struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_
                                 const struct ap_part *part, struct ap_iso nose_from_part,
                                 int image);
 
-// Fills p, tangent_m and seen: from along and from, or (polygons) from p.
+// along and from of a point (over rho) of the surface of a solid with a form.
+struct ap_surface_point ap_surface_point_of(const struct ap_surface *surface, struct ap_vec4 p);
+
+// Fills p, tangent_m and seen: from along and from, or (sheets) from p.
 void ap_surface_see(const struct ap_surface *surface, struct ap_surface_point *point);
 
 // Halfway between two points along the surface, seen.
@@ -44,7 +52,7 @@ struct ap_vec4 ap_surface_normal(const struct ap_surface *surface,
                                  const struct ap_surface_point *point);
 
 // How many pixels of an eye's picture lie between the surface at m, a place of it between a and b
-// (polygons: the middle), and the straight edge from a to b; a quarter of a sheet's error in depth
+// (sheets: the middle), and the straight edge from a to b; a quarter of a sheet's error in depth
 // included, which shows where surfaces meet at a small angle. The larger of the two eyes.
 double ap_surface_error_px(const struct ap_surface *surface, const struct ap_eyes *eyes,
                            const struct ap_surface_point *a, const struct ap_surface_point *b,

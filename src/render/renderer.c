@@ -516,10 +516,10 @@ static enum ap_status place(struct ap_error *err, struct ap_renderer *r,
                                         .max_error_px = r->max_error_px,
                                         .no_cull = r->params.no_cull};
     enum ap_status st = ap_draw_list_fill(err, &what, &r->list);
-    if (st == AP_OK)
-        st = take_refined(err, r, slot);
     if (st == AP_OK && r->scene->honeycomb)
         st = ap_cell_view_fill(err, &r->cells, &what, &r->list);
+    if (st == AP_OK)
+        st = take_refined(err, r, slot);
     if (st == AP_OK)
         st = hold_draws(err, r, slot);
     if (st != AP_OK)

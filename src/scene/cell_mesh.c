@@ -1,5 +1,7 @@
 #include "src/scene/honeycomb.h"
 
+#include <string.h>
+
 // The pieces of a cell as meshes. Points are found on the space and handed over as tangent vectors
 // at the piece's place.
 
@@ -57,39 +59,48 @@ static struct ap_vec4 along(struct ap_space space, struct ap_vec4 a, struct ap_v
     return (struct ap_vec4){to * p.x, to * p.y, to * p.z, to * p.w};
 }
 
+// A row of a wall from its outer to its inner edge, at the share `at` of face 0's edge k.
+enum { ACROSS_MAX = 64 };
+static void wall_row(const struct ap_tiling *t, const struct ap_vec3 corner[2], double width,
+                     double at, int across, struct ap_vec3 row[ACROSS_MAX + 1]) {
+    struct ap_space space = t->space;
+    for (int i = 0; i <= across; i++) {
+        double in = 1 - width * i / across;
+        struct ap_vec4 a = ap_exp(space, ap_vec3_scale(in, corner[0])),
+                       b = ap_exp(space, ap_vec3_scale(in, corner[1]));
+        row[i] = log_of(space, along(space, a, b, at));
+        row[i].y = 0;
+    }
+}
+
 void ap_mesh_wall(const struct ap_tiling *t, double width, int fine, struct ap_mesh *mesh,
                   double *longest_m) {
     struct ap_space space = t->space;
     struct ap_iso face_from_cell = ap_iso_inverse(space, ap_wall_place(t, 0));
-    struct ap_vec4 corner[2][5]; // outer, inner
+    struct ap_vec3 corner[6], row[ACROSS_MAX + 1], last[ACROSS_MAX + 1];
     int p = t->symbol.p;
-    for (int k = 0; k < p; k++) {
-        corner[0][k] = ap_iso_apply(&face_from_cell, t->vertex_m[t->face_vertex[0][k]]);
-        struct ap_vec3 v = ap_vec3_scale(1 - width, log_of(space, corner[0][k]));
-        corner[1][k] = ap_exp(space, v);
-    }
+    for (int k = 0; k <= p; k++)
+        corner[k] =
+            log_of(space, ap_iso_apply(&face_from_cell, t->vertex_m[t->face_vertex[0][k % p]]));
+    int across = (int)ceil(fine * width * ap_vec3_length(corner[0]) / t->edge_m);
+    across = across < ACROSS_MAX ? across : ACROSS_MAX;
     *longest_m = 0;
     for (int k = 0; k < p; k++) {
-        unsigned before[2] = {0, 0};
-        struct ap_vec3 last = {0, 0, 0};
+        unsigned before = 0;
         for (int i = 0; i <= fine; i++) {
-            unsigned row[2];
-            for (int side = 0; side < 2; side++) {
-                struct ap_vec3 v =
-                    log_of(space, along(space, corner[side][k], corner[side][(k + 1) % p],
-                                        (double)i / fine));
-                v.y = 0;
-                row[side] = ap_mesh_vertex(mesh, v, (struct ap_vec3){0, 1, 0});
-                if (side == 0 && i > 0)
-                    *longest_m = fmax(*longest_m, between(space, last, v));
-                last = side == 0 ? v : last;
+            unsigned first = (unsigned)mesh->solid.vertex_count;
+            wall_row(t, corner + k, width, (double)i / fine, across, row);
+            for (int j = 0; j <= across; j++)
+                ap_mesh_vertex(mesh, row[j], (struct ap_vec3){0, 1, 0});
+            for (unsigned j = 0; i > 0 && j < (unsigned)across; j++) {
+                ap_mesh_triangle(mesh, before + j, first + j, first + j + 1);
+                ap_mesh_triangle(mesh, before + j, first + j + 1, before + j + 1);
+                *longest_m = fmax(*longest_m, between(space, last[j], row[j]));
+                *longest_m = fmax(*longest_m, between(space, last[j], row[j + 1]));
+                *longest_m = fmax(*longest_m, between(space, row[j], row[j + 1]));
             }
-            if (i > 0) {
-                ap_mesh_triangle(mesh, before[0], row[0], row[1]);
-                ap_mesh_triangle(mesh, before[0], row[1], before[1]);
-            }
-            before[0] = row[0];
-            before[1] = row[1];
+            memcpy(last, row, sizeof last);
+            before = first;
         }
     }
 }
@@ -155,10 +166,13 @@ void ap_mesh_strut(const struct ap_tiling *t, double radius_m, int fine, struct 
     struct ap_space space = t->space;
     struct ap_vec4 base = {0, 0, 0, space.rho_m};
     double half = strut_half(t, radius_m), beta = M_PI / t->symbol.r;
-    int around = fine < 2 ? 1 : fine < 16 ? 2 : 4;
+    // Far off the outline is what asks for fine ones; straight is straight in e3, but not for
+    // somebody who was born elsewhere.
+    int around = fine <= 2 ? fine : fine <= 4 ? 3 : fine / 2;
+    int steps = fine < 4 || (space.kappa == 0 && fine < 32) ? 1 : fine / 2;
     unsigned before = 0;
-    for (int i = 0; i <= fine; i++) {
-        double x = half * (2.0 * i / fine - 1);
+    for (int i = 0; i <= steps; i++) {
+        double x = half * (2.0 * i / steps - 1);
         unsigned row = (unsigned)mesh->solid.vertex_count;
         for (int j = 0; j <= around; j++) {
             double phi = beta * (2.0 * j / around - 1);
@@ -174,13 +188,30 @@ void ap_mesh_strut(const struct ap_tiling *t, double radius_m, int fine, struct 
         before = row;
     }
     *longest_m =
-        2 * half / fine * ap_space_cos(space, space.kappa < 0 ? radius_m / space.rho_m : 0);
+        2 * half / steps * ap_space_cos(space, space.kappa < 0 ? radius_m / space.rho_m : 0);
     *turn_rad = beta / around;
+}
+
+// The largest angle at the middle of a sphere between a facet's middle and its corners.
+static double widest_turn(const struct ap_solid *solid, size_t first_index) {
+    double least = 1;
+    for (size_t i = first_index; i + 2 < solid->index_count; i += 3) {
+        struct ap_vec3 c[3];
+        for (int k = 0; k < 3; k++) {
+            const float *p = solid->positions + 3 * solid->indices[i + (size_t)k];
+            c[k] = ap_vec3_normalize((struct ap_vec3){p[0], p[1], p[2]});
+        }
+        struct ap_vec3 n =
+            ap_vec3_normalize(ap_vec3_cross(ap_vec3_sub(c[1], c[0]), ap_vec3_sub(c[2], c[0])));
+        least = fmin(least, fabs(ap_vec3_dot(n, c[0])));
+    }
+    return acos(least);
 }
 
 void ap_mesh_joint(const struct ap_tiling *t, double radius_m, int fine, struct ap_mesh *mesh,
                    double *longest_m, double *turn_rad) {
     struct ap_space space = t->space;
+    size_t first_index = mesh->solid.index_count;
     struct ap_iso vertex_from_cell = ap_iso_inverse(space, ap_joint_place(t, 0));
     struct ap_vec3 corner[5];
     int count = 0;
@@ -198,7 +229,6 @@ void ap_mesh_joint(const struct ap_tiling *t, double radius_m, int fine, struct 
                 corner[j] = swap;
             }
     struct ap_vec3 top = {0, 0, 1};
-    *turn_rad = acos(corner[0].z) / fine / sqrt(3) * 1.2;
     *longest_m = 1.3 * radius_m * acos(corner[0].z) / fine;
     for (int k = 0; k < count; k++) {
         struct ap_vec3 a = corner[k], b = corner[(k + 1) % count];
@@ -219,4 +249,5 @@ void ap_mesh_joint(const struct ap_tiling *t, double radius_m, int fine, struct 
             before = row;
         }
     }
+    *turn_rad = widest_turn(&mesh->solid, first_index);
 }

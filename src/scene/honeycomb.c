@@ -66,12 +66,13 @@ static int add_level(struct ap_scene_build *build, struct ap_mesh *mesh, struct 
     return at;
 }
 
-static void add_piece(struct ap_scene_build *build, struct ap_iso place, int solid, double radius_m,
-                      unsigned rgb) {
+static void add_piece(struct ap_scene_build *build, struct ap_iso place, int solid,
+                      enum ap_form form, double radius_m, unsigned rgb) {
     struct ap_part part = ap_solid_part(place, solid, rgb);
     part.carrier = AP_CARRIER_CELL;
     part.solid_levels = LEVELS;
     part.one_sided = true;
+    part.form = form;
     part.radius_m = radius_m;
     ap_build_part(build, part);
 }
@@ -89,7 +90,7 @@ static void add_walls(struct ap_scene_build *build, const struct ap_honeycomb *h
     for (int f = 0; f < t->face_count; f++)
         rank[f] = h->pairing.to[f] >= f ? count++ : rank[h->pairing.to[f]];
     for (int f = 0; f < t->face_count; f++)
-        add_piece(build, ap_wall_place(t, f), first, 0,
+        add_piece(build, ap_wall_place(t, f), first, AP_FORM_PLANE, 0,
                   h->pairing.loose ? wall_grey : hue_rgb(rank[f], count, 0.92));
 }
 
@@ -114,10 +115,10 @@ static void add_struts(struct ap_scene_build *build, const struct ap_honeycomb *
     }
     int count = edge_classes(t, &h->pairing, class_of);
     for (int e = 0; e < t->edge_count; e++)
-        add_piece(build, ap_strut_place(t, e), first, radius,
+        add_piece(build, ap_strut_place(t, e), first, AP_FORM_TUBE, radius,
                   h->pairing.loose || count < 2 ? strut_rgb : hue_rgb(class_of[e], count, 0.95));
     for (int v = 0; v < t->vertex_count; v++)
-        add_piece(build, ap_joint_place(t, v), first_joint, joint, joint_rgb);
+        add_piece(build, ap_joint_place(t, v), first_joint, AP_FORM_SPHERE, joint, joint_rgb);
 }
 
 static enum ap_status choose_pairing(struct ap_error *err, const struct ap_json_at *at,

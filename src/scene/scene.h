@@ -33,6 +33,14 @@ enum ap_finish {
     AP_FINISH_STRIPED, // a white ball with a band of its colour round the y–z plane, and the same
 };
 
+// The geodesic surface that a solid's facets stand for, so that they can be made finer.
+enum ap_form {
+    AP_FORM_FACETS, // none: the facets are its shape
+    AP_FORM_PLANE,  // the part's plane y = 0
+    AP_FORM_TUBE,   // what is radius_m from the geodesic along x
+    AP_FORM_SPHERE, // what is radius_m from the part's place
+};
+
 // What carries a part: its place is carrier_from_part, relative to the world or to a tracked device
 // whose virtual pose changes every frame; or to each cell of the scene's tiling.
 enum ap_carrier { AP_CARRIER_WORLD, AP_CARRIER_LEFT, AP_CARRIER_RIGHT, AP_CARRIER_CELL };
@@ -72,6 +80,7 @@ struct ap_part {
     int solid;            // index into scene->solids
     int solid_levels;     // 0: one; else so many from `solid` on, coarse before fine
     bool one_sided;       // a solid that is never seen from behind
+    enum ap_form form;    // of a solid
     double color_srgb[3]; // 0…1, as written in the file; unlit parts show exactly this
     bool lit;
     enum ap_finish finish;

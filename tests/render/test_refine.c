@@ -13,29 +13,16 @@
 
 #include "src/render/list.h"
 #include "src/view/silhouette.h"
+#include "tests/render/exact.h"
 
 static const double PI = 3.14159265358979323846;
 enum { WIDTH = 1440, HEIGHT = 1600 };
 
-static uint64_t seed;
-static double uniform(double low, double high) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
-}
+static const uint32_t SIZE_PX[2] = {WIDTH, HEIGHT};
+static struct exact_random random_of;
 
-static struct ap_viewer random_viewer(int kappa, enum ap_view_mode mode) {
-    struct ap_viewer v = {.space = {kappa, exp(uniform(log(0.5), log(3)))},
-                          .mode = mode,
-                          .world_from_nose = AP_ISO_IDENTITY};
-    for (int e = 0; e < 2; e++) {
-        v.eye[e].view_from_eye = AP_POSE_IDENTITY;
-        v.eye[e].view_from_eye.p =
-            (struct ap_vec3){(e ? 0.032 : -0.032), uniform(-0.01, 0.01), uniform(-0.02, 0.02)};
-        v.eye[e].view_from_eye.q =
-            ap_quat_from_axis_angle((struct ap_vec3){0, 1, 0}, uniform(-0.1, 0.1));
-        v.eye[e].frustum = (struct ap_frustum){-1.2, 1.0, 1.1, -1.1};
-    }
-    return v;
+static double uniform(double low, double high) {
+    return exact_uniform(&random_of, low, high);
 }
 
 static struct ap_iso random_place(struct ap_space space, double least_m, double most_m,
@@ -49,36 +36,12 @@ static struct ap_iso random_place(struct ap_space space, double least_m, double 
     return ap_iso_mul(ap_iso_translate(space, ap_vec3_scale(d, u)), ap_iso_rotate(q));
 }
 
-// Pixels of an eye's picture; false where it does not show there.
-static bool project(const struct ap_viewer *v, int e, struct ap_vec3 tangent, double px[2]) {
-    const struct ap_frustum *f = &v->eye[e].frustum;
-    struct ap_eye_point p = ap_eye_from_tangent(&v->eye[e], (struct ap_tangent_point){tangent});
-    double a = p.x.x / -p.x.z, b = p.x.y / -p.x.z;
-    px[0] = WIDTH * (a - f->left) / (f->right - f->left);
-    px[1] = HEIGHT * (f->up - b) / (f->up - f->down);
-    return p.x.z < 0 && ap_vec3_length(p.x) > AP_NEAR_M && a > f->left && a < f->right &&
-           b > f->down && b < f->up;
-}
-
 static struct ap_vec3 corner(const struct ap_viewer *v, const struct ap_iso *nose_from_part,
                              const struct ap_mesh_data *data, uint32_t index, int image) {
     const float *p = data->vertices[index].position;
     double rho = v->space.rho_m;
     struct ap_vec4 x = {rho * p[0], rho * p[1], rho * p[2], rho * p[3]};
     return ap_log_unchecked(v->space, ap_iso_apply(nose_from_part, x), image);
-}
-
-// The point of the plane y = 0 of the part in the direction u from the nose, about d_flat away:
-// along the geodesic y goes as C·n.y + S·v.y.
-static bool on_plane(const struct ap_viewer *v, const struct ap_iso *part_from_nose,
-                     struct ap_vec3 u, double d_flat, struct ap_vec3 *at) {
-    const double(*m)[4] = part_from_nose->m;
-    double n = m[1][3], w = m[1][0] * u.x + m[1][1] * u.y + m[1][2] * u.z, rho = v->space.rho_m;
-    double t = v->space.kappa > 0 ? atan2(-n, w) : v->space.kappa < 0 ? atanh(-n / w) : -n / w;
-    if (v->space.kappa > 0)
-        t += PI * round((d_flat / rho - t) / PI);
-    *at = ap_vec3_scale(t * rho, u);
-    return isfinite(t) && t > 0;
 }
 
 struct tally {
@@ -105,11 +68,13 @@ static void polygon_errors(const struct ap_viewer *v, const struct ap_iso *nose_
                            truth;
             double d = ap_vec3_length(flat), rho = v->space.rho_m;
             double sine = v->space.kappa > 0 ? fabs(d - PI * rho) : 1;
-            if (sine < 2e-3 || !on_plane(v, &part_from_nose, ap_vec3_scale(1 / d, flat), d, &truth))
+            if (sine < 2e-3 ||
+                !exact_on_plane(v->space, &part_from_nose, ap_vec3_scale(1 / d, flat), d, &truth))
                 continue;
             for (int e = 0; e < 2; e++) {
                 double p[2], q[2];
-                if (!project(v, e, flat, p) || !project(v, e, truth, q))
+                if (!exact_project(v, SIZE_PX, e, flat, p) ||
+                    !exact_project(v, SIZE_PX, e, truth, q))
                     continue;
                 double px = hypot(p[0] - q[0], p[1] - q[1]);
                 tally->points++;
@@ -142,7 +107,8 @@ static void ball_errors(const struct ap_viewer *v, const struct ap_iso *nose_fro
             struct ap_vec4 x = {rho * sine * u[0], rho * sine * u[1], rho * sine * u[2],
                                 rho * ap_space_cos(v->space, part->radius_m / rho)};
             double p[2];
-            project(v, e, ap_log_unchecked(v->space, ap_iso_apply(nose_from_part, x), image), p);
+            exact_project(v, SIZE_PX, e,
+                          ap_log_unchecked(v->space, ap_iso_apply(nose_from_part, x), image), p);
             for (int k = 0; k < 2; k++) {
                 low[k] = fmin(low[k], p[k]);
                 high[k] = fmax(high[k], p[k]);
@@ -164,7 +130,7 @@ static void ball_errors(const struct ap_viewer *v, const struct ap_iso *nose_fro
 
 static void one_place(struct ap_refiner *refiner, int kappa, enum ap_part_kind kind,
                       double max_error_px, struct tally *tally) {
-    struct ap_viewer v = random_viewer(kappa, AP_VIEW_NATIVE);
+    struct ap_viewer v = exact_viewer(&random_of, kappa, AP_VIEW_NATIVE);
     double rho = v.space.rho_m, distance;
     struct ap_part part = {.kind = kind, .sides = 5, .edge_m = uniform(0.3, 1) * rho};
     int image = kappa > 0 && uniform(0, 1) < 0.4;
@@ -196,7 +162,7 @@ static void bound_holds(void **state) {
     (void)state;
     static const double BOUNDS[] = {0.25, 0.05};
     struct ap_refiner refiner = {0};
-    seed = 7;
+    random_of.seed = 7;
     for (int b = 0; b < 2; b++)
         for (int kappa = 1; kappa >= -1; kappa--)
             for (int kind = 0; kind < 2; kind++) {
