@@ -153,7 +153,7 @@ static double outline_error(const struct ap_viewer *viewer, const struct ap_eyes
 // The straight edge in tangent space against the geodesic, seen from an eye beside the nose;
 // radians. Checked on 539,000 random triangles: worst measured over bound 0.93.
 static double edge_error(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
-                         const struct ap_place *place, double edge_m, bool sheet) {
+                         const struct ap_place *place, double edge_m, bool seams) {
     struct ap_space space = viewer->space;
     double e = eyes->reach_m, d = place->near_m;
     bool born = viewer->mode == AP_VIEW_BORN && viewer->born.kappa != 0;
@@ -166,7 +166,7 @@ static double edge_error(const struct ap_viewer *viewer, const struct ap_eyes *e
         rho = 1 / hypot(1 / rho, 1 / viewer->born.rho_m);
     double angle = e * square / (9 * d * rho * rho) / (1 - e / d);
     // How far a sheet's facets are off in depth: it shows where it meets others at a small angle.
-    double sagitta = sheet ? square / (8 * rho) : 0;
+    double sagitta = seams ? square / (8 * rho) : 0;
     if (space.kappa > 0) {
         double t = place->far_m / space.rho_m, stretch = t / sin(t);
         if (!(t < PI - 0.05))
@@ -207,7 +207,7 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
         // Plain ones have their light at their corners, which may not be far apart.
         if (part->lit && level < LIT_LEVEL && !(grain < 0.35 * place->near_m))
             return false;
-        return edge_error(viewer, eyes, place, grain, true) < max_rad && grain < longest;
+        return edge_error(viewer, eyes, place, grain, !part->apart) < max_rad && grain < longest;
     case AP_PART_SOLID:
         if (shape->levels < 2 || (grain == 0 && step == 0)) // it is what its mesh says
             return true;

@@ -7,7 +7,7 @@
 #include "src/render/pipeline.h"
 
 struct push {
-    int32_t layer, samples, across;
+    int32_t layer;
 };
 
 static enum ap_status create_render_pass(struct ap_error *err, const struct ap_gpu *gpu,
@@ -106,6 +106,7 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
     if (st == AP_OK) {
         struct ap_pipeline_params params = {.vertex = vertex,
                                             .fragment = fragment,
+                                            .fragment_constant = r->samples + 256 * r->across,
                                             .width = r->width,
                                             .height = r->height,
                                             .samples = VK_SAMPLE_COUNT_1_BIT,
@@ -183,7 +184,7 @@ void ap_resolve_blacken(const struct ap_resolve *resolve, VkCommandBuffer cmd,
 
 void ap_resolve_record(const struct ap_resolve *resolve, VkCommandBuffer cmd, int which,
                        int32_t layer, VkFramebuffer framebuffer) {
-    struct push push = {layer, resolve->samples, resolve->across};
+    struct push push = {layer};
     begin_pass(resolve, cmd, framebuffer);
     vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, resolve->pipeline);
     vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, resolve->layout, 0, 1,

@@ -88,11 +88,12 @@ struct ap_part {
     bool casts_shadow; // a ball, on what takes marks
     bool takes_marks;  // the surface on which such balls lie (the first 16): their shadows, and the
                        // pockets' mouths. One part of a scene; it lies within a quarter turn of s3
-    bool hidden;       // not drawn (a hand that is not tracked is handled by the renderer)
-    char name[64];     // target name, or ""
-    bool target;       // an unlit ball with a colour used once
-    int pool_ball;     // 1 + its number (the cue ball's is 0), for who plays; 0: none
-    int object;        // index of the scene object it came from
+    bool apart;    // a polygon that meets nothing else: an error in its depth alone does not show
+    bool hidden;   // not drawn (a hand that is not tracked is handled by the renderer)
+    char name[64]; // target name, or ""
+    bool target;   // an unlit ball with a colour used once
+    int pool_ball; // 1 + its number (the cue ball's is 0), for who plays; 0: none
+    int object;    // index of the scene object it came from
 };
 
 // A world of cells: what is in one is in each. The world's frame is that of the cell that the

@@ -198,8 +198,10 @@ void ap_furnish_tiling(struct ap_scene_build *build) {
     double filled = t->space.kappa > 0 ? 0.45 : 0.94;
     int count = grow_tiling(t, t->space.kappa < 0 ? 3 : 4, tiles);
     for (int i = 1; i < count; i++) {
-        ap_build_part(build, ap_polygon_part(tiles[i].world_from_tile, t->sides, filled * t->edge_m,
-                                             rgb[tiles[i].ring % 2]));
+        struct ap_part tile = ap_polygon_part(tiles[i].world_from_tile, t->sides,
+                                              filled * t->edge_m, rgb[tiles[i].ring % 2]);
+        tile.apart = true;
+        ap_build_part(build, tile);
         if (tiles[i].ring <= 2) // beyond, tiles are small and many, and tell enough themselves
             add_struts(build, tiles, i);
     }
