@@ -309,6 +309,27 @@ static void nothing_within_a_millimetre_of_the_antipode_is_drawn(void **state) {
         }
 }
 
+static void a_shut_eye_is_black_and_changes_nothing(void **state) {
+    (void)state;
+    struct ap_space space = SPACES[2];
+    balls[0] = stage_ball(space, (struct ap_vec3){0.1, 0, -0.8}, 0.06, RED);
+    balls[1] = stage_ball(space, (struct ap_vec3){-0.1, 0, -0.8}, 0.06, GREEN);
+    balls_scene.background_srgb[1] = 0.5;
+    struct ap_frame_input input = stage_input(space, AP_VIEW_NATIVE, 0.7, 0.06);
+    draw_balls(&input, 2);
+    uint8_t *open = copy_picture();
+    for (int shut = 0; shut < 2; shut++) {
+        input.closed_eyes = 1u << shut;
+        struct ap_frame_stats stats = draw_balls(&input, 2);
+        assert_int_equal(drawn(shut), 0);
+        assert_int_equal(stats.eye[shut].triangles, 0);
+        assert_memory_equal(stage_eye(&stage, !shut), open + (shut ? 0 : EYE_BYTES), EYE_BYTES);
+        assert_int_equal(drawn(!shut), SIZE * SIZE);
+    }
+    free(open);
+    balls_scene.background_srgb[1] = 0;
+}
+
 static void an_empty_scene_is_black(void **state) {
     (void)state;
     struct ap_scene scene = stage_scene(SPACES[2], NULL, 0);
@@ -389,6 +410,7 @@ int main(void) {
         cmocka_unit_test(both_views_agree_at_the_nose),
         cmocka_unit_test(nothing_within_a_millimetre_is_drawn),
         cmocka_unit_test(nothing_within_a_millimetre_of_the_antipode_is_drawn),
+        cmocka_unit_test(a_shut_eye_is_black_and_changes_nothing),
         cmocka_unit_test(an_empty_scene_is_black),
         cmocka_unit_test(hands_come_and_go),
         cmocka_unit_test(solids_are_drawn_where_they_are),

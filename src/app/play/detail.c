@@ -4,8 +4,12 @@
 
 enum { SETTLE_FRAMES = 12, CALM_FRAMES = 90, MOST_PATIENCE = 10000 };
 
-// Each level has about 0.7 of the pixels of the one before.
-static const double scales[AP_DETAIL_LEVELS] = {1, 0.84, 0.71, 0.59, 0.5, 0.42};
+// Each level costs about 0.7 of the one before: by its pixels, or by materials and shadows.
+static const struct {
+    double scale;
+    bool plain;
+} levels[AP_DETAIL_LEVELS] = {{1, false},   {0.84, false}, {0.71, false}, {0.59, false},
+                              {0.59, true}, {0.5, true},   {0.42, true}};
 
 void ap_detail_init(struct ap_detail *detail, bool automatic, double budget_ms) {
     *detail =
@@ -13,7 +17,11 @@ void ap_detail_init(struct ap_detail *detail, bool automatic, double budget_ms) 
 }
 
 double ap_detail_scale(const struct ap_detail *detail) {
-    return scales[detail->level];
+    return levels[detail->level].scale;
+}
+
+bool ap_detail_plain(const struct ap_detail *detail) {
+    return levels[detail->level].plain;
 }
 
 static bool change(struct ap_detail *detail, int by) {

@@ -3,9 +3,9 @@
 
 #include <stdbool.h>
 
-// How finely to draw so that the frame rate holds: a share of the headset's pixels, chosen by how
-// long the last frames took. Pure; slow to change, and slower to go up than down, so that it does
-// not swing.
+// How finely to draw so that the frame rate holds: a share of the headset's pixels, then plain
+// surfaces, chosen by how long the last frames took. Pure; slow to change, and slower to go up than
+// down, so that it does not swing.
 struct ap_detail {
     bool automatic;
     double budget_ms; // a frame may take so long
@@ -15,14 +15,16 @@ struct ap_detail {
     int patience;     // frames of calm before the next step up; doubles when a step up failed
 };
 
-enum { AP_DETAIL_LEVELS = 6 };
+enum { AP_DETAIL_LEVELS = 7 };
 
 void ap_detail_init(struct ap_detail *detail, bool automatic, double budget_ms);
 
 // A frame took so long. True where the level changed.
 bool ap_detail_step(struct ap_detail *detail, double frame_ms);
 
-// Of width and height: 1, 0.84, 0.71, 0.59, 0.5, 0.42.
+// Of width and height: 1, 0.84, 0.71, 0.59, 0.59, 0.5, 0.42.
 double ap_detail_scale(const struct ap_detail *detail);
+// Without materials, numbers and shadows: the last three levels.
+bool ap_detail_plain(const struct ap_detail *detail);
 
 #endif

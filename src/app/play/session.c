@@ -377,6 +377,7 @@ static enum ap_status draw(struct ap_error *err, struct ap_play *play, struct ap
     }
     play->input.viewer = ap_room_viewer(&play->room, play->input.viewer.world_from_nose,
                                         frame->view, play->drawn_width_px, play->drawn_height_px);
+    play->input.plain = ap_detail_plain(&play->detail);
     unsigned shut = play->room.closed_eyes | (play->params.one_eye ? 2u : 0u);
     play->input.closed_eyes = play->picture_wanted ? 0 : shut == 3 ? 2 : shut;
     const struct ap_target target = {.image = {images.image[0], images.image[1]},
@@ -390,8 +391,9 @@ static enum ap_status draw(struct ap_error *err, struct ap_play *play, struct ap
 }
 
 void ap_play_say_detail(const struct ap_play *play) {
-    printf("detail: %u x %u of %u x %u pixels an eye%s\n", play->drawn_width_px,
+    printf("detail: %u x %u of %u x %u pixels an eye%s%s\n", play->drawn_width_px,
            play->drawn_height_px, play->width_px, play->height_px,
+           ap_detail_plain(&play->detail) ? ", plain surfaces" : "",
            play->detail.automatic ? ", chosen for 30 frames a second" : "");
     fflush(stdout);
 }
