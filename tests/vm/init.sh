@@ -15,7 +15,14 @@ printf 'root:x:0:\nuser:x:1000:\n' >/etc/group
 while read -r m; do insmod "/lib/modules/$m" || echo "insmod $m failed"; done </modules >/dev/ttyS1 2>&1
 . /environment
 cd /data
-# Seconds of the machine's own clock.
-setsid timeout 300 sh /script </dev/null >/dev/ttyS1 2>&1
-echo "status $?" >/dev/ttyS2
+# Seconds of the machine's own clock. The first status that is not 0 is the machine's.
+status=0
+for script in /scripts/*; do
+	echo "== ${script##*-}"
+	# A test's processes end with it.
+	setsid timeout "${VM_LIMIT:-300}" sh "$script" </dev/null
+	last=$?
+	[ $status -ne 0 ] || status=$last
+done >/dev/ttyS1 2>&1
+echo "status $status" >/dev/ttyS2
 poweroff -f

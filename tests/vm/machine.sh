@@ -42,7 +42,10 @@ add() {
 	done || true
 }
 modules='uhid hid-generic usbhid vhci-hcd'
-echo "export VM_SECONDS=${ANTIPODE_VM_SECONDS:-}" >"$root/environment" # of long measurements
+cat >"$root/environment" <<-END # of long measurements
+	export VM_SECONDS=${ANTIPODE_VM_SECONDS:-} VM_UNPLUG_SECONDS=${ANTIPODE_VM_UNPLUG_SECONDS:-}
+	export VM_LIMIT=$((300 + ${ANTIPODE_VM_SECONDS:-0} + ${ANTIPODE_VM_UNPLUG_SECONDS:-0}))
+END
 while getopts f:m:e: option; do
 	case $option in
 	f)
@@ -61,7 +64,14 @@ while getopts f:m:e: option; do
 	esac
 done
 shift $((OPTIND - 1))
-cp "$1" "$root/script"
+mkdir "$root/scripts"
+number=10
+for script; do
+	name=$(basename "$script" .sh)
+	name=${name#guest_}
+	cp "$script" "$root/scripts/$number-$name"
+	number=$((number + 1))
+done
 cp "$here/guest.sh" "$root/data/guest.sh"
 cp "$here/init.sh" "$root/init"
 chmod +x "$root/init"
