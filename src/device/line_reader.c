@@ -126,6 +126,14 @@ static void hand_out(struct ap_line_reader *reader, size_t raw, const char **lin
 enum ap_status ap_line_reader_next(struct ap_error *err, struct ap_line_reader *reader,
                                    enum ap_line_kind *kind, const char **line, size_t *len) {
     size_t searched = 0;
+    // Only now: whoever stops at a line that is too long need not wait for its end, and a device
+    // file has none.
+    if (reader->inside_long_line) {
+        enum ap_status st = pass_over(err, reader);
+        if (st)
+            return st;
+        reader->inside_long_line = false;
+    }
     for (;;) {
         char *at = reader->buffer + reader->start;
         size_t have = reader->end - reader->start;
@@ -135,7 +143,8 @@ enum ap_status ap_line_reader_next(struct ap_error *err, struct ap_line_reader *
         if (raw > AP_LINE_MAX + (newline ? 2 : 1)) {
             reader->line++;
             *kind = AP_LINE_TOO_LONG;
-            return pass_over(err, reader);
+            reader->inside_long_line = true;
+            return AP_OK;
         }
         if (newline || (reader->at_end && have)) {
             reader->line++;

@@ -21,7 +21,7 @@ struct ap_line_reader {
     size_t start, end; // what is not yet handed out
     size_t line_start; // of the newest line
     int64_t line;      // its number, from 1
-    bool at_end;
+    bool at_end, inside_long_line;
 };
 
 // "-" is standard input. AP_INPUT where the file cannot be opened. Close it in any case.
@@ -29,7 +29,8 @@ enum ap_status ap_line_reader_open(struct ap_error *err, struct ap_line_reader *
                                    const char *path);
 
 // The next line without its "\n" or "\r\n", and without a byte order mark; valid until the next
-// call. A line that is too long is passed over as a whole. Blocks on a pipe until a line is there.
+// call. A line that is too long is passed over as a whole, by the call after. Blocks on a pipe
+// until a line is there.
 enum ap_status ap_line_reader_next(struct ap_error *err, struct ap_line_reader *reader,
                                    enum ap_line_kind *kind, const char **line, size_t *len);
 

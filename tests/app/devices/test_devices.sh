@@ -32,6 +32,7 @@ echo "E: 0.0 3 00 00" >lies.hid
 expect 3 'lies.hid:1:' "$antipode" devices --replay lies.hid
 expect 2 'the poses go into the CSV' "$antipode" record x.csv
 expect 4 'no-folder' "$antipode" record no-folder/x.hid --replay one.hid
+expect 3 'at most 65536 bytes' timeout 5 "$antipode" track /dev/zero
 echo "D: 0" >empty.hid
 expect 3 'no report' "$antipode" record x.hid --replay empty.hid
 [ ! -e x.hid ] && [ ! -e x.csv ] || fail "a recording of nothing was written"
