@@ -37,6 +37,12 @@ for space in h3 s3 e3; do
 	[ "$(grep -c ',balls,' "$work/$space.csv")" -gt 20 ] || fail "$space: no break"
 	grep -q '^# eight-ball: player' "$work/$space.csv" || fail "$space: no judgement"
 done
+# A whole frame of eight-ball in each space is won.
+for space in h3 s3 e3; do
+	"$antipode" simulate --space $space --game eight-ball "$source_dir/docs/examples/frame-$space.txt" |
+		grep '^#' | tail -n 1 >"$work/won"
+	grep -q 'has won (the eight fell in its turn)' "$work/won" || fail "$space: $(cat "$work/won")"
+done
 printf 'shot at=1 speed=4\nshot at=99 speed=1\n' >"$work/bad.txt"
 expect 3 'bad.txt:2: at: expected a ball' "$antipode" simulate "$work/bad.txt"
 printf 'shot at=1 speed=400\n' >"$work/bad.txt"

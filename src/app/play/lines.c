@@ -2,7 +2,7 @@
 
 #include "src/geom/map.h"
 
-static const double dot_m = 0.004, mark_m = 0.008, step_m = 0.03, limit_s = 8;
+static const double dot_m = 0.004, mark_m = 0.008, step_m = 0.05, limit_s = 8;
 
 enum ap_status ap_play_lines_init(struct ap_error *err, struct ap_scene *scene,
                                   struct ap_play_lines *out) {

@@ -11,7 +11,7 @@ struct ap_play_lines {
     size_t first, mark;
 };
 
-enum { AP_PLAY_LINE_DOTS = 160 };
+enum { AP_PLAY_LINE_DOTS = 64 };
 
 // Adds its parts to the scene: before a renderer is made of it.
 enum ap_status ap_play_lines_init(struct ap_error *err, struct ap_scene *scene,
