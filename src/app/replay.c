@@ -178,11 +178,11 @@ static void print_stats(const struct ap_replay *replay) {
            2 * t->gpu_ms / views);
     double frames = views / 2;
     if (replay->room.scene->honeycomb)
-        printf("a frame: %.0f cells drawn, %.0f out of view, %.0f too small, %.0f over the budget; "
-               "the head went on to another cell %lld times\n",
+        printf("a frame: %.0f cells drawn, %.0f out of view, %.0f behind walls, %.0f too small, "
+               "%.0f over the budget; the head went on to another cell %lld times\n",
                (double)t->cells.visited / frames, (double)t->cells.cone / frames,
-               (double)t->cells.size / frames, (double)t->cells.budget / frames,
-               (long long)replay->room.cells_crossed);
+               (double)t->cells.walls / frames, (double)t->cells.size / frames,
+               (double)t->cells.budget / frames, (long long)replay->room.cells_crossed);
     printf("time: %.1f ms in all; wait %.1f, track %.1f, draw %.1f, end %.1f\n", t->run_ms,
            t->wait_ms, t->track_ms, t->draw_ms, t->end_ms);
 }

@@ -29,7 +29,7 @@ struct ap_replay_totals {
     uint64_t refined, beyond_bound, out_of_domain; // parts·images (struct ap_frame_stats)
     double place_ms, record_ms, submit_ms, gpu_ms; // of draw_ms but the last
     struct {
-        uint64_t visited, cone, size, budget;
+        uint64_t visited, cone, walls, size, budget;
     } cells; // of a world of cells
 };
 

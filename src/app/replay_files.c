@@ -32,7 +32,8 @@ enum ap_status ap_replay_tables_open(struct ap_error *err, struct ap_replay *rep
           "m20,m21,m22,m23,m30,m31,m32,m33\n",
           t->frames.stream);
     fputs("frame,eye,fov_left_rad,fov_right_rad,fov_up_rad,fov_down_rad,draws,culled,back_draws,"
-          "triangles,vertices,cells,cells_out_of_view,cells_too_small,cells_over_budget\n",
+          "triangles,vertices,cells,cells_out_of_view,cells_too_small,cells_over_budget,"
+          "cells_behind_walls\n",
           t->views.stream);
     fputs("frame,wait_ms,track_ms,draw_ms,end_ms,place_ms,record_ms,submit_ms,gpu_ms\n",
           t->timing.stream);
@@ -88,9 +89,10 @@ void ap_replay_write_view_rows(struct ap_replay *replay, int64_t frame,
         const double fov[] = {v->left_rad, v->right_rad, v->up_rad, v->down_rad};
         fprintf(out, "%lld,%s", (long long)frame, eye ? "right" : "left");
         write_numbers(out, fov, 4);
-        fprintf(out, ",%u,%u,%u,%llu,%llu,%u,%u,%u,%u\n", s->draws, s->culled, s->back_draws,
+        fprintf(out, ",%u,%u,%u,%llu,%llu,%u,%u,%u,%u,%u\n", s->draws, s->culled, s->back_draws,
                 (unsigned long long)s->triangles, (unsigned long long)s->vertices,
-                stats->cells.visited, stats->cells.cone, stats->cells.size, stats->cells.budget);
+                stats->cells.visited, stats->cells.cone, stats->cells.size, stats->cells.budget,
+                stats->cells.walls);
     }
 }
 

@@ -144,6 +144,7 @@ static void count_views(struct ap_replay_totals *totals, const struct ap_frame_s
     totals->cells.visited += stats->cells.visited;
     totals->cells.cone += stats->cells.cone;
     totals->cells.size += stats->cells.size;
+    totals->cells.walls += stats->cells.walls;
     totals->cells.budget += stats->cells.budget;
     for (int eye = 0; eye < 2; eye++) {
         const struct ap_eye_stats *s = &stats->eye[eye];

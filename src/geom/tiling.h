@@ -26,6 +26,11 @@ struct ap_symmetry {
     unsigned char inverse, face[AP_CELL_FACES], vertex[AP_CELL_VERTICES]; // where each goes
 };
 
+// A convex polygon in the plane of a face: p corners in the cell's frame.
+struct ap_window {
+    struct ap_vec4 corner_m[5];
+};
+
 // The cell's frame: its centre at the base point, face 0 toward −y (a floor), an edge of it toward
 // −z. x → −x is a symmetry of the cell that fixes face 0 and edge 0.
 struct ap_tiling {

@@ -16,7 +16,8 @@ struct frame {
     const struct ap_frame_input *input;
     const struct ap_viewer *viewer;
     const struct ap_eyes *eyes;
-    struct ap_sides sides;
+    struct ap_sides sides;     // of what the eyes may see of the cell at hand
+    bool windows;              // walls stand before the cells
     double horizon_m, faint_m; // where parts are gone, and where they begin to fade
     double least_rad;          // the half angle that is no longer drawn
     const struct ap_list_params *what;
@@ -149,8 +150,9 @@ static enum ap_status add(struct ap_error *err, const struct frame *f,
     place_item(f, cell, part, &item);
     struct ap_vec4 centre = {rho * item.nose_from_part.m[0][3], rho * item.nose_from_part.m[1][3],
                              rho * item.nose_from_part.m[2][3], rho * item.nose_from_part.m[3][3]};
-    if (!f->what->no_cull && f->viewer->mode != AP_VIEW_BORN && cell->within != 3)
+    if (!f->what->no_cull && f->viewer->mode != AP_VIEW_BORN && (f->windows || cell->within != 3))
         item.eyes = ap_sides_see_ball(&f->sides, space, centre, reach_m, cell->image);
+    item.eyes &= cell->eyes;
     item.eyes &= ~f->input->closed_eyes;
     struct ap_place place = {
         .nose_from_part = item.nose_from_part, .near_m = cell->near_m, .far_m = cell->far_m};
@@ -213,6 +215,25 @@ static void note_ranges(const struct frame *f) {
     }
 }
 
+// Walls hide what is behind them unless a hand, drawn with the cell of its wrist, reaches through.
+static bool windows_are_clear(const struct frame *f) {
+    const struct ap_honeycomb *h = f->scene->honeycomb;
+    bool hands = f->input->hand_tracked[0] || f->input->hand_tracked[1];
+    return h->has_walls && !(h->quotient && hands);
+}
+
+// Of a cell: both eyes look no farther to the sides than the windows on the way allow.
+static struct ap_sides sides_of_cell(const struct frame *f, const struct ap_seen_cell *cell) {
+    struct ap_viewer viewer = *f->viewer;
+    for (int e = 0; e < 2; e++) {
+        const struct ap_gaze *g = &cell->gaze[e];
+        if (cell->eyes >> e & 1)
+            viewer.eye[e].frustum =
+                (struct ap_frustum){g->low[0], g->high[0], g->high[1], g->low[1]};
+    }
+    return ap_sides_of(&viewer);
+}
+
 static void tell_budget(struct ap_cell_view *view, const struct ap_portal_stats *s) {
     if (s->budget == 0 || view->warned)
         return;
@@ -238,10 +259,17 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
                       .sides = ap_sides_of(viewer)};
     set_horizon(&f);
     bring_hands_in(&f);
+    f.windows = windows_are_clear(&f);
     // A frame's list takes some 300 bytes a part.
     size_t most = scene->honeycomb->budget_bytes / (512 * (view->part_count + 1)) + 64;
     const struct ap_portal_params params = {
-        .viewer = viewer, .horizon_m = f.horizon_m, .most_cells = most, .no_cull = what->no_cull};
+        .viewer = viewer,
+        .horizon_m = f.horizon_m,
+        .most_cells = most,
+        .window = f.windows ? scene->honeycomb->window : NULL,
+        // A window's rim is drawn within the bound, here of the smaller picture.
+        .slack_rad = 4 * what->max_error_px / fmin(what->eyes->pixels[0], what->eyes->pixels[1]),
+        .no_cull = what->no_cull};
     struct ap_portal_stats stats;
     enum ap_status st = ap_portal_walk(err, view->cells, &params, &view->portal, &stats);
     if (st)
@@ -253,6 +281,8 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
     for (size_t i = 0; !st && i < view->portal.count; i++) {
         const struct ap_seen_cell *cell = &view->portal.seen[i];
         memset(view->level, UNKNOWN, view->shape_count);
+        if (f.windows)
+            f.sides = sides_of_cell(&f, cell);
         for (size_t k = 0; !st && k < view->part_count; k++)
             if (!missing(&f, &scene->parts[view->parts[k]]))
                 st = add(err, &f, cell, view->parts[k]);

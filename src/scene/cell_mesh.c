@@ -59,6 +59,24 @@ static struct ap_vec4 along(struct ap_space space, struct ap_vec4 a, struct ap_v
     return (struct ap_vec4){to * p.x, to * p.y, to * p.z, to * p.w};
 }
 
+// Corner k of a face, seen from its centre, drawn in by `width` of the way there.
+static struct ap_vec4 window_corner(const struct ap_tiling *t, const struct ap_iso *face_from_cell,
+                                    int face, int k, double width) {
+    struct ap_vec4 corner = ap_iso_apply(face_from_cell, t->vertex_m[t->face_vertex[face][k]]);
+    return ap_exp(t->space, ap_vec3_scale(1 - width, log_of(t->space, corner)));
+}
+
+struct ap_window ap_wall_window(const struct ap_tiling *t, int face, double width) {
+    struct ap_window window = {{{0, 0, 0, 0}}};
+    struct ap_iso cell_from_face = ap_wall_place(t, face);
+    struct ap_iso face_from_cell = ap_iso_inverse(t->space, cell_from_face);
+    for (int k = 0; k < t->symbol.p; k++) {
+        struct ap_vec4 corner = window_corner(t, &face_from_cell, face, k, width);
+        window.corner_m[k] = ap_iso_apply(&cell_from_face, corner);
+    }
+    return window;
+}
+
 // A row of a wall from its outer to its inner edge, at the share `at` of face 0's edge k.
 enum { ACROSS_MAX = 64 };
 static void wall_row(const struct ap_tiling *t, const struct ap_vec3 corner[2], double width,

@@ -77,7 +77,7 @@ static void add_piece(struct ap_scene_build *build, struct ap_iso place, int sol
     ap_build_part(build, part);
 }
 
-static void add_walls(struct ap_scene_build *build, const struct ap_honeycomb *h, double width) {
+static void add_walls(struct ap_scene_build *build, struct ap_honeycomb *h, double width) {
     const struct ap_tiling *t = &h->tiling;
     int first = -1, rank[AP_CELL_FACES], count = 0;
     for (int k = 0; k < LEVELS; k++) {
@@ -92,6 +92,9 @@ static void add_walls(struct ap_scene_build *build, const struct ap_honeycomb *h
     for (int f = 0; f < t->face_count; f++)
         add_piece(build, ap_wall_place(t, f), first, AP_FORM_PLANE, 0,
                   h->pairing.loose ? wall_grey : hue_rgb(rank[f], count, 0.92));
+    h->has_walls = true;
+    for (int f = 0; f < t->face_count; f++)
+        h->window[f] = ap_wall_window(t, f, width);
 }
 
 static void add_struts(struct ap_scene_build *build, const struct ap_honeycomb *h, double width) {

@@ -52,6 +52,8 @@ void ap_mesh_strut(const struct ap_tiling *tiling, double radius_m, int fine, st
 void ap_mesh_joint(const struct ap_tiling *tiling, double radius_m, int fine, struct ap_mesh *mesh,
                    double *longest_m, double *turn_rad);
 // The places of those in the cell's frame.
+// The corners of the window in a wall, in the cell's frame.
+struct ap_window ap_wall_window(const struct ap_tiling *tiling, int face, double width);
 struct ap_iso ap_wall_place(const struct ap_tiling *tiling, int face);
 struct ap_iso ap_strut_place(const struct ap_tiling *tiling, int edge);
 struct ap_iso ap_joint_place(const struct ap_tiling *tiling, int vertex);

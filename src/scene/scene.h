@@ -105,6 +105,9 @@ struct ap_honeycomb {
     double horizon_px;   // a cell that is seen with less than this radius is not drawn
     size_t budget_bytes; // for the cells that are known
     struct ap_vec4 lamp; // of each cell, in its frame
+    // Opaque walls with a window in each face, whose corners these are (cell's frame).
+    bool has_walls;
+    struct ap_window window[AP_CELL_FACES];
 };
 
 struct ap_scene {

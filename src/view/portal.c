@@ -75,10 +75,18 @@ unsigned ap_sides_see_ball(const struct ap_sides *s, struct ap_space space, stru
 
 void ap_portal_finish(struct ap_portal *portal) {
     free(portal->seen);
-    free(portal->stamp[0]);
-    free(portal->stamp[1]);
+    for (int i = 0; i < 2; i++) {
+        free(portal->stamp[i]);
+        free(portal->place[i]);
+    }
     *portal = (struct ap_portal){0};
 }
+
+// A way into a cell: the eyes that may look along it, and how far each sees to the sides.
+struct way_in {
+    unsigned eyes;
+    struct ap_gaze gaze[2];
+};
 
 struct walk {
     struct ap_cells *cells;
@@ -86,11 +94,12 @@ struct walk {
     const struct ap_portal_params *params;
     struct ap_space space;
     struct ap_sides sides;
+    struct way_in whole; // nothing stands before it
     struct ap_iso nose_from_base;
     bool mirrored; // nose_from_base is
     struct ap_portal *portal;
     struct ap_portal_stats stats;
-    uint32_t seen, refused; // stamps of this frame
+    uint32_t seen, refused, hidden; // stamps of this frame
 };
 
 static bool grow_stamps(struct ap_portal *p, size_t count) {
@@ -105,6 +114,10 @@ static bool grow_stamps(struct ap_portal *p, size_t count) {
             return false;
         memset(more + p->stamp_room, 0, (room - p->stamp_room) * sizeof *more);
         p->stamp[i] = more;
+        more = realloc(p->place[i], room * sizeof *more);
+        if (!more)
+            return false;
+        p->place[i] = more;
     }
     p->stamp_room = room;
     return true;
@@ -122,21 +135,47 @@ static bool grow_seen(struct ap_portal *p) {
     return true;
 }
 
+// A cell that is there already can be seen by another way too: whether there is more of it.
+static void widen(const struct walk *w, struct ap_seen_cell *s, const struct way_in *way) {
+    enum { MOST = 12 }; // then it is seen as if nothing stood before it
+    for (int e = 0; e < 2; e++) {
+        if (!(way->eyes >> e & 1))
+            continue;
+        bool is_new = !(s->eyes >> e & 1);
+        bool grew = is_new || ap_gaze_add(&s->gaze[e], &way->gaze[e]);
+        if (is_new)
+            s->gaze[e] = way->gaze[e];
+        s->eyes |= 1u << e;
+        if (!grew)
+            continue;
+        if (!s->again && ++s->growths >= MOST)
+            s->gaze[e] = ap_gaze_all(&w->params->viewer->eye[e].frustum);
+        s->again = true;
+    }
+}
+
 // Appends a cell unless it is there, too far or too much.
-static void visit(struct walk *w, int32_t cell, int image) {
+static void visit(struct walk *w, int32_t cell, int image, const struct way_in *way) {
     struct ap_portal *p = w->portal;
     if (!grow_stamps(p, (size_t)cell + 1)) {
         w->stats.budget++;
         return;
     }
     uint32_t *stamp = &p->stamp[image][cell];
-    if (*stamp == w->seen)
+    if (*stamp == w->seen) {
+        uint32_t at = p->place[image][cell];
+        if (at < p->count)
+            widen(w, &p->seen[at], way);
         return;
+    }
+    w->stats.walls -= *stamp == w->hidden;
+    p->place[image][cell] = UINT32_MAX;
     bool counted = *stamp == w->refused;
     *stamp = w->seen;
     w->stats.cone -= counted;
     const struct ap_cell *c = &w->cells->cells[cell];
-    struct ap_seen_cell s = {.cell = cell, .image = image};
+    struct ap_seen_cell s = {.cell = cell, .image = image, .eyes = way->eyes, .again = true};
+    memcpy(s.gaze, way->gaze, sizeof s.gaze);
     s.nose_from_cell = ap_iso_mul(w->nose_from_base, c->base_from_cell);
     s.reverses = c->reverses != w->mirrored;
     struct ap_vec4 centre = {s.nose_from_cell.m[0][3], s.nose_from_cell.m[1][3],
@@ -156,6 +195,7 @@ static void visit(struct walk *w, int32_t cell, int image) {
     s.far_m = s.distance_m + reach;
     if (w->space.kappa > 0)
         s.far_m = fmin(s.far_m, M_PI * rho);
+    p->place[image][cell] = (uint32_t)p->count;
     p->seen[p->count++] = s;
 }
 
@@ -183,23 +223,25 @@ static void outcodes(const struct walk *w, const struct ap_seen_cell *s, double 
     }
 }
 
-// Bit f: an eye may see some of face f. within: eyes that have all corners in front of all sides.
-static unsigned faces_in_view(const struct walk *w, const struct ap_seen_cell *s,
-                              unsigned *within) {
+// Bit f: eye e may see some of face f; false: nothing can be told, and all are. within: eyes that
+// have all corners in front of all sides.
+static bool faces_in_view(const struct walk *w, const struct ap_seen_cell *s, unsigned seen[2],
+                          unsigned *within) {
     const struct ap_tiling *t = w->tiling;
     const unsigned all = (1u << t->face_count) - 1;
     double rho = w->space.rho_m, d = s->image ? M_PI * rho : s->near_m;
     double to_antipode = w->space.kappa > 0 ? M_PI * rho - s->far_m : INFINITY;
     *within = 0;
+    seen[0] = seen[1] = all;
     // Where an eye may be in the cell, or lines of sight meet again, all directions are possible.
     if (w->params->no_cull || w->params->viewer->mode == AP_VIEW_BORN ||
         fmin(s->near_m, to_antipode) < w->sides.eye_m + 2 * AP_NEAR_M)
-        return all;
+        return false;
     unsigned char code[2][AP_CELL_VERTICES];
-    unsigned seen = 0;
     outcodes(w, s, d, code);
     for (int e = 0; e < 2; e++) {
         unsigned any = 0;
+        seen[e] = 0;
         for (int v = 0; v < t->vertex_count; v++)
             any |= code[e][v];
         // Leaned sides say "maybe", never "surely".
@@ -208,32 +250,110 @@ static unsigned faces_in_view(const struct walk *w, const struct ap_seen_cell *s
             unsigned behind = 15;
             for (int k = 0; k < t->symbol.p; k++)
                 behind &= code[e][t->face_vertex[f][k]];
-            seen |= behind == 0 ? 1u << f : 0;
+            seen[e] |= behind == 0 ? 1u << f : 0;
         }
     }
-    return seen;
+    return true;
+}
+
+// How far the nose is from the plane of a face, at least.
+static double distance_to_plane(const struct walk *w, const struct ap_iso *cell_from_nose, int f) {
+    const struct ap_space space = w->space;
+    struct ap_vec4 base = {0, 0, 0, space.rho_m};
+    double s = fabs(ap_tiling_beyond(w->tiling, ap_iso_apply(cell_from_nose, base), f));
+    return space.rho_m * (space.kappa < 0 ? asinh(s) : space.kappa > 0 ? asin(fmin(s, 1)) : s);
+}
+
+// What eye e may see beyond the window in a face. False: nothing.
+static bool look_through(const struct walk *w, const struct ap_seen_cell *s,
+                         const struct ap_iso *cell_from_nose, int f, int e,
+                         struct ap_gaze *beyond) {
+    const struct ap_view_eye *eye = &w->params->viewer->eye[e];
+    struct ap_iso to = s->nose_from_cell;
+    struct ap_vec3 corner[5];
+    double lean_rad = w->params->slack_rad + SLACK;
+    if (w->sides.tourist) {
+        to = ap_iso_mul(w->sides.eye_from_nose[e], to);
+    } else {
+        double d = fmax(s->near_m, distance_to_plane(w, cell_from_nose, f));
+        double lean = ap_vec3_length(eye->view_from_eye.p) / d;
+        if (!(lean < 0.5)) {
+            *beyond = s->gaze[e];
+            return true;
+        }
+        lean_rad += asin(lean);
+    }
+    for (int k = 0; k < w->tiling->symbol.p; k++) {
+        struct ap_vec4 p = ap_iso_apply(&to, w->params->window[f].corner_m[k]);
+        corner[k] = (struct ap_vec3){p.x, p.y, p.z};
+        if (!w->sides.tourist)
+            corner[k] = ap_quat_rotate(ap_quat_conj(eye->view_from_eye.q), corner[k]);
+    }
+    return ap_gaze_through(&s->gaze[e], corner, w->tiling->symbol.p, lean_rad, beyond);
+}
+
+// The way on through a face that these eyes have in view.
+static struct way_in way_through(const struct walk *w, const struct ap_seen_cell *s,
+                                 const struct ap_iso *cell_from_nose, int f, unsigned eyes) {
+    struct way_in way = {.eyes = eyes};
+    memcpy(way.gaze, s->gaze, sizeof way.gaze);
+    for (int e = 0; cell_from_nose && e < 2; e++)
+        if (eyes >> e & 1 && !look_through(w, s, cell_from_nose, f, e, &way.gaze[e]))
+            way.eyes &= ~(1u << e);
+    return way;
+}
+
+// A cell that is not gone on to: why, unless it is known by another way.
+static void refuse(struct walk *w, uint32_t *stamp, bool in_view) {
+    if (*stamp == w->seen || *stamp == w->hidden || (*stamp == w->refused && !in_view))
+        return;
+    w->stats.cone -= *stamp == w->refused;
+    *stamp = in_view ? w->hidden : w->refused;
+    if (in_view)
+        w->stats.walls++;
+    else
+        w->stats.cone++;
 }
 
 static void go_on(struct walk *w, size_t at) {
-    struct ap_seen_cell *s = &w->portal->seen[at];
-    int32_t cell = s->cell;
-    int image = s->image;
-    unsigned within, seen = faces_in_view(w, s, &within);
-    s->within = within;
+    struct ap_seen_cell s = w->portal->seen[at];
+    struct ap_iso cell_from_nose = ap_iso_inverse(w->space, s.nose_from_cell);
+    unsigned within, seen[2];
+    bool told = faces_in_view(w, &s, seen, &within);
+    // Image 1 is entered as a whole.
+    bool windows = told && w->params->window && s.image == 0;
+    w->portal->seen[at].within = within;
+    w->portal->seen[at].again = false;
     for (int f = 0; f < w->tiling->face_count; f++) {
-        int32_t next = ap_cells_across(w->cells, cell, f);
+        int32_t next = ap_cells_across(w->cells, s.cell, f);
+        unsigned in_view = (seen[0] >> f & 1) | (seen[1] >> f & 1) << 1;
+        unsigned eyes = told ? in_view & s.eyes : 3; // an eye may be in another cell than the nose
         if (next < 0 || !grow_stamps(w->portal, (size_t)next + 1)) {
-            w->stats.budget += seen >> f & 1;
+            w->stats.budget += eyes != 0;
             continue;
         }
-        uint32_t *stamp = &w->portal->stamp[image][next];
-        if (seen >> f & 1) {
-            visit(w, next, image);
-        } else if (*stamp != w->seen && *stamp != w->refused) {
-            *stamp = w->refused;
-            w->stats.cone++;
-        }
+        struct way_in way =
+            told ? way_through(w, &s, windows ? &cell_from_nose : NULL, f, eyes) : w->whole;
+        if (way.eyes)
+            visit(w, next, s.image, &way);
+        else
+            refuse(w, &w->portal->stamp[s.image][next], in_view != 0);
     }
+}
+
+// Until no cell is seen by more than what has been gone on from.
+static size_t go_on_from(struct walk *w, size_t first) {
+    struct ap_portal *p = w->portal;
+    bool more = true;
+    while (more) {
+        more = false;
+        for (size_t at = first; at < p->count; at++)
+            if (p->seen[at].again) {
+                more = true;
+                go_on(w, at);
+            }
+    }
+    return p->count;
 }
 
 static double determinant(const struct ap_iso *a) {
@@ -263,7 +383,7 @@ static void enter_back(struct walk *w, size_t front_count) {
         const struct ap_seen_cell s = w->portal->seen[i];
         if (w->params->no_cull ||
             s.distance_m + w->tiling->circumradius_m > M_PI * w->space.rho_m - margin)
-            visit(w, s.cell, 1);
+            visit(w, s.cell, 1, &w->whole);
     }
 }
 
@@ -280,24 +400,25 @@ enum ap_status ap_portal_walk(struct ap_error *err, struct ap_cells *cells,
     w.nose_from_base = ap_iso_inverse(space, params->viewer->world_from_nose);
     w.mirrored = determinant(&w.nose_from_base) < 0;
     portal->count = 0;
-    if (portal->frame > UINT32_MAX - 4) {
+    if (portal->frame > UINT32_MAX - 6) {
         for (int i = 0; i < 2; i++)
             memset(portal->stamp[i], 0, portal->stamp_room * sizeof *portal->stamp[i]);
         portal->frame = 0;
     }
-    portal->frame += 2;
+    portal->frame += 3;
     w.seen = portal->frame;
     w.refused = portal->frame + 1;
+    w.hidden = portal->frame + 2;
     if (!grow_stamps(portal, 1) || !grow_seen(portal))
         return ap_fail(err, AP_ENVIRONMENT, "out of memory for the cells that are seen");
-    visit(&w, 0, 0);
-    size_t at = 0;
-    for (; at < portal->count; at++)
-        go_on(&w, at);
+    w.whole.eyes = 3;
+    for (int e = 0; e < 2; e++)
+        w.whole.gaze[e] = ap_gaze_all(&params->viewer->eye[e].frustum);
+    visit(&w, 0, 0, &w.whole);
+    size_t front_count = go_on_from(&w, 0);
     if (space.kappa > 0) {
-        enter_back(&w, portal->count);
-        for (; at < portal->count; at++)
-            go_on(&w, at);
+        enter_back(&w, front_count);
+        go_on_from(&w, front_count);
     }
     w.stats.visited = (uint32_t)portal->count;
     *stats = w.stats;

@@ -42,19 +42,26 @@ static struct ap_iso pose(const struct ap_scene *scene, int i) {
 // Cells and parts of cells that no eye sees are left out, and the picture is the same to the bit.
 static void leaving_cells_out_changes_no_pixel(void **state) {
     (void)state;
-    static const char *const scenes[] = {
-        "honeycomb:5,3,4,horizon=9",         "honeycomb:4,3,5,struts,balls,horizon=9",
-        "honeycomb:3,5,3,struts,horizon=12", "honeycomb:5,3,5,horizon=8",
-        "honeycomb:4,3,4,balls,horizon=8",   "honeycomb:5,3,3",
-        "honeycomb:3,3,4,struts,balls",      "honeycomb:3,4,3",
-        "mirrored-dodecahedron,horizon=9",   "poincare-dodecahedral,struts",
-        "torus,struts,horizon=10",           "seifert-weber,horizon=8"};
+    static const char *const scenes[] = {"honeycomb:5,3,4,horizon=9",
+                                         "honeycomb:4,3,5,struts,balls,horizon=9",
+                                         "honeycomb:3,5,3,struts,horizon=12",
+                                         "honeycomb:5,3,5,horizon=8",
+                                         "honeycomb:4,3,4,balls,horizon=8",
+                                         "honeycomb:5,3,3",
+                                         "honeycomb:3,3,4,struts,balls",
+                                         "honeycomb:3,4,3",
+                                         "mirrored-dodecahedron,horizon=9",
+                                         "poincare-dodecahedral,struts",
+                                         "torus,struts,horizon=10",
+                                         "seifert-weber,horizon=8",
+                                         "honeycomb:5,3,4,horizon=9,width=0.6",
+                                         "honeycomb:5,3,3,width=0.7"};
     for (size_t s = 0; s < sizeof scenes / sizeof *scenes; s++) {
         struct ap_scene *scene = named(scenes[s]);
         struct ap_renderer *culls = stage_renderer(&stage, scene, NULL);
         struct ap_renderer *draws_all =
             stage_renderer(&stage, scene, &(struct ap_renderer_params){.no_cull = true});
-        uint32_t cells[2] = {0}, draws[2] = {0};
+        uint32_t cells[2] = {0}, draws[2] = {0}, behind_walls = 0;
         for (int i = 0; i < 2; i++) {
             struct ap_frame_input input =
                 stage_input(scene->space, i % 2 ? AP_VIEW_TOURIST : AP_VIEW_NATIVE, 0.6, 0.064);
@@ -72,13 +79,19 @@ static void leaving_cells_out_changes_no_pixel(void **state) {
                 fail_msg("%s, frame %d: %zu pixels differ, or nothing is there", scenes[s], i,
                          differ);
             free(first);
+            behind_walls += with.cells.walls;
             cells[0] += with.cells.visited;
             cells[1] += without.cells.visited;
             draws[0] += with.eye[0].draws;
             draws[1] += without.eye[0].draws;
         }
-        print_message("%-36s cells %5u of %5u, parts %6u of %6u\n", scenes[s], cells[0], cells[1],
-                      draws[0], draws[1]);
+        print_message("%-36s cells %5u of %5u, parts %6u of %6u; behind walls %u\n", scenes[s],
+                      cells[0], cells[1], draws[0], draws[1], behind_walls);
+        // The wider the walls, the more is behind them.
+        if (strstr(scenes[s], "width="))
+            assert_true(behind_walls > 5);
+        else if (!scene->honeycomb->has_walls)
+            assert_int_equal(behind_walls, 0);
         assert_true(draws[0] < draws[1]);
         ap_renderer_destroy(culls);
         ap_renderer_destroy(draws_all);
