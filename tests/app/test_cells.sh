@@ -1,0 +1,42 @@
+#!/bin/sh
+# Worlds of cells through the program: every scene with a name gives pictures, and a budget that is
+# used up costs detail and one line.
+. "$ANTIPODE_SOURCE/tests/app/lib.sh"
+ci=$source_dir/src/device/headsets/ci.json
+if ! "$antipode" doctor 2>/dev/null | grep -q '^ok *Vulkan device'; then
+	echo "skipped: no Vulkan device"
+	exit 77
+fi
+"$antipode" walk --seconds 1 >"$work/walk.csv" || fail "antipode walk"
+
+for name in 3,3,3 3,3,4 3,3,5 3,4,3 4,3,3 5,3,3 4,3,4 5,3,4 4,3,5 3,5,3 5,3,5; do
+	scenes="${scenes:-} honeycomb:$name,horizon=30"
+done
+for scene in $scenes torus poincare-dodecahedral,struts seifert-weber,horizon=30 \
+	mirrored-dodecahedron,horizon=30; do
+	expect 0 '' "$antipode" replay --scene "$scene" --headset "$ci" --frames 0:1 --force \
+		--out "$work/out" "$work/walk.csv"
+	size=$(stat -c %s "$work/out/000000-left.png")
+	[ "$size" -gt 3000 ] || fail "$scene: an empty picture ($size bytes)"
+done
+
+column() { # of the first row of views.csv
+	awk -F, -v name="$1" 'NR == 1 {for (i = 1; i <= NF; i++) if ($i == name) at = i}
+		NR == 2 {print $at}' "$work/out/views.csv"
+}
+run() { # two frames, the standard error in $work/stderr
+	expect 0 '' "$antipode" replay --scene "honeycomb:5,3,4,$1" --headset "$ci" --frames 0:9:4 \
+		--force --out "$work/out" "$work/walk.csv"
+}
+run horizon=6
+whole=$(column cells)
+[ "$(column cells_over_budget)" = 0 ] || fail "64 MiB are not enough for a horizon of 6 px"
+grep -q budget "$work/stderr" && fail "a budget that is large enough is warned of"
+run horizon=6,budget=1
+some=$(column cells)
+[ "$(column cells_over_budget)" -gt 0 ] || fail "a budget of 1 MiB was enough"
+[ "$some" -gt 20 ] && [ "$some" -lt "$whole" ] || fail "$some cells of $whole with 1 MiB"
+lines=$(grep -c 'budget for cells is used up' "$work/stderr")
+[ "$lines" = 1 ] || fail "the budget's end is told $lines times"
+echo "1 MiB: $some of $whole cells: $(cat "$work/stderr")"
+finish
