@@ -51,3 +51,8 @@ bool ap_detail_step(struct ap_detail *detail, double frame_ms) {
     bool calm = detail->frames > detail->patience && detail->slow_ms < 0.6 * detail->budget_ms;
     return calm && detail->level > 0 && change(detail, -1);
 }
+
+double ap_detail_error_px(const struct ap_detail *detail) {
+    static const double error_px[AP_DETAIL_LEVELS] = {0, 0.5, 1, 1, 2, 2, 2};
+    return error_px[detail->level];
+}

@@ -26,5 +26,7 @@ bool ap_detail_step(struct ap_detail *detail, double frame_ms);
 double ap_detail_scale(const struct ap_detail *detail);
 // Without materials, numbers and shadows: the last three levels.
 bool ap_detail_plain(const struct ap_detail *detail);
+// The error bound that goes with it, px of what is drawn: none of its own (0), then 0.5 to 2.
+double ap_detail_error_px(const struct ap_detail *detail);
 
 #endif

@@ -36,6 +36,7 @@ struct ap_play {
     bool menu_was_open, was_down[2], was_clicked, picture_wanted, end_wanted;
 
     struct ap_detail detail;
+    double error_px; // the bound that is drawn with
     int64_t frame_began_ns, rate_began_ns;
     int rate_frames;
     double rate_hz;
@@ -76,6 +77,10 @@ static enum ap_status make_renderer(struct ap_error *err, struct ap_play *play) 
                                         .height = play->drawn_height_px,
                                         .no_multiview = !vk.multiview};
     ap_room_renderer_params(&play->room, &render);
+    // A bound that was asked for on the command line stands.
+    if (isnan(play->params.room.max_error_px))
+        render.max_error_px = fmax(render.max_error_px, ap_detail_error_px(&play->detail));
+    play->error_px = render.max_error_px;
     return ap_renderer_create(err, &play->gpu, play->room.scene, &render, &play->renderer);
 }
 
@@ -391,9 +396,9 @@ static enum ap_status draw(struct ap_error *err, struct ap_play *play, struct ap
 }
 
 void ap_play_say_detail(const struct ap_play *play) {
-    printf("detail: %u x %u of %u x %u pixels an eye%s%s\n", play->drawn_width_px,
-           play->drawn_height_px, play->width_px, play->height_px,
-           ap_detail_plain(&play->detail) ? ", plain surfaces" : "",
+    printf("detail: %u x %u of %u x %u pixels an eye, error bound %g px%s%s\n",
+           play->drawn_width_px, play->drawn_height_px, play->width_px, play->height_px,
+           play->error_px, ap_detail_plain(&play->detail) ? ", plain surfaces" : "",
            play->detail.automatic ? ", chosen for 30 frames a second" : "");
     fflush(stdout);
 }
