@@ -59,7 +59,11 @@ static void follow(struct walker *w, struct ap_pose pose) {
         if (ap_tracker_feed(NULL, w->tracker, "head", pose, &row, &w->world_from_head))
             die("lost");
     } else {
-        step_on(w, ap_pose_mul(ap_pose_inverse(w->room_from_head), pose));
+        // Poses of src/geom are unit; the tracker takes any.
+        struct ap_pose from = w->room_from_head, to = pose;
+        from.q = ap_quat_normalize(from.q);
+        to.q = ap_quat_normalize(to.q);
+        step_on(w, ap_pose_mul(ap_pose_inverse(from), to));
     }
     w->room_from_head = pose;
 }
