@@ -87,8 +87,8 @@ void ap_live_denied_text(const struct ap_live_place *place, const struct ap_driv
     if (ap_live_rules_cover(place))
         snprintf(text, size,
                  "%s: no permission; put %s (meson install brings it) into /etc/udev/rules.d, "
-                 "then run: udevadm control --reload && udevadm trigger",
-                 place->path, AP_LIVE_RULES_FILE);
+                 "or this line of it: %s; then run: udevadm control --reload && udevadm trigger",
+                 place->path, AP_LIVE_RULES_FILE, rule);
     else
         snprintf(text, size, "%s: no permission%s; put this line into /etc/udev/rules.d/%s: %s",
                  place->path, driver ? "" : " (and no driver)", AP_LIVE_RULES_FILE, rule);
