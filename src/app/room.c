@@ -24,8 +24,13 @@ static enum ap_status open_scene(struct ap_error *err, const struct ap_room_opti
         st = check_positive(err, "table-height", o->table_height_m);
     if (st)
         return st;
+    if (o->side_pockets && (o->scene || !o->space || strcmp(o->space, "e3") != 0))
+        return ap_fail(err, AP_USAGE,
+                       "--side-pockets: the billiards room of e3 alone has six pockets: give "
+                       "--space e3 and no scene");
     const struct ap_scene_params params = {
         .space_name = o->space,
+        .side_pockets = o->side_pockets,
         .radius_m = isnan(o->radius_m) ? 0 : o->radius_m,
         .table_edge_m = isnan(o->table_edge_m) ? 0 : o->table_edge_m,
         .table_height_m = isnan(o->table_height_m) ? 0 : o->table_height_m,

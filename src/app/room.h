@@ -17,7 +17,8 @@ struct ap_room_options {
     const char *space, *scene, *tracker, *anchor, *view; // NULL: not given
     const char *native_of, *eye;
     double radius_m, table_edge_m, table_height_m; // NAN: not given
-    double max_error_px, samples;                  // likewise
+    bool side_pockets;
+    double max_error_px, samples; // likewise
 };
 
 #define AP_ROOM_OPTIONS_NONE                                                                       \
@@ -40,6 +41,7 @@ struct ap_room_options {
          "default billiards with a table, else anchor"},                                           \
         {"anchor", AP_OPTION_TEXT, &(o).anchor, "DEVICE",                                          \
          "of the anchor tracker: head, left, right, hands or a name (head)"},                      \
+        {"side-pockets", AP_OPTION_FLAG, &(o).side_pockets, "", "e3: a table of six pockets"},     \
         {"max-error", AP_OPTION_NUMBER, &(o).max_error_px, "PX",                                   \
          "farthest that a surface may be seen from where it is (0.25)"},                           \
         {"samples", AP_OPTION_NUMBER, &(o).samples, "N", "a pixel: 4, 16 or 64 (4)"},              \

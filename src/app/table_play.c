@@ -21,6 +21,7 @@ static enum ap_status params_of(struct ap_error *err, const struct ap_scene *sce
         params->physics.ball_radius_m = radius_m;
     if (params->physics.pocket_radius_m == 0 && scene->mouth_count > 0)
         params->physics.pocket_radius_m = scene->mouths[0].radius_m;
+    params->physics.side_pockets |= scene->mouth_count > 4 && scene->space.kappa == 0;
     params->shape = ap_table_from_edge(scene->space.kappa, scene->table_edge_m, scene->space.rho_m);
     return AP_OK;
 }
@@ -49,7 +50,7 @@ bool ap_table_play_is_possible(const struct ap_scene *scene) {
 // A saved game belongs to one table, and where a kind is asked for to one game.
 static enum ap_status check_saved(struct ap_error *err, const struct ap_game *game,
                                   const struct ap_table_shape *shape, const char *path,
-                                  const char *kind) {
+                                  const char *kind, bool side_pockets) {
     const struct ap_table_shape *own = &game->physics.shape;
     struct ap_space a = own->space, b = shape->space;
     if (a.kappa != b.kappa || fabs(a.rho_m - b.rho_m) > 1e-9 * b.rho_m ||
@@ -59,6 +60,9 @@ static enum ap_status check_saved(struct ap_error *err, const struct ap_game *ga
             "%s: a game on a table of %.9g m in %s of radius %.9g m, here it is %.9g m in "
             "%s of radius %.9g m",
             path, own->edge_m, ap_space_name(a), a.rho_m, shape->edge_m, ap_space_name(b), b.rho_m);
+    if (game->physics.params.side_pockets != side_pockets)
+        return ap_fail(err, AP_INPUT, "%s: a game on a table of %d pockets, here it is %s", path,
+                       game->physics.pocket_count, side_pockets ? "six" : "four");
     const char *own_kind = ap_game_kind_name(game->rules.kind);
     if (kind && strcmp(kind, own_kind) != 0)
         return ap_fail(err, AP_INPUT, "%s: a game of %s, not of %s", path, own_kind, kind);
@@ -80,7 +84,9 @@ static enum ap_status begin(struct ap_error *err, const struct ap_table_play_par
     if (!how->saved_path)
         return ap_game_start(err, &params, &play->game);
     st = ap_game_load(err, how->saved_path, &play->game);
-    return st ? st : check_saved(err, &play->game, &params.shape, how->saved_path, how->kind);
+    return st ? st
+              : check_saved(err, &play->game, &params.shape, how->saved_path, how->kind,
+                            params.physics.side_pockets);
 }
 
 enum ap_status ap_table_play_open(struct ap_error *err, struct ap_scene *scene,

@@ -145,6 +145,7 @@ enum ap_status ap_scene_billiards(struct ap_error *err, const struct ap_scene_pa
     enum ap_status st = ap_build_init(err, &request, &build);
     if (st)
         return st;
+    build.side_pockets = params->side_pockets && build.table.sides == 4;
     const unsigned rgb[3] = {0x14, 0x1a, 0x26}; // a room at dusk
     for (int i = 0; i < 3; i++)
         build.scene->background_srgb[i] = rgb[i] / 255.0;

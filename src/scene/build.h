@@ -14,7 +14,8 @@ struct ap_scene_build {
     struct ap_table_shape
         table; // of the scene's space; in a file without a table, what one would be
     size_t part_room, solid_room, decal_room;
-    int object; // what the next parts belong to
+    int object;        // what the next parts belong to
+    bool side_pockets; // of the square table: two more, in the middles of edges 1 and 3
     bool out_of_memory;
 };
 

@@ -136,6 +136,7 @@ struct ap_scene_params {
     double radius_m;        // 0: the file's, else the table's for table_edge_m (s3, h3), else 1
     double table_edge_m;    // 0: 0.9, or what radius_m says
     double table_height_m;  // 0: 0.75
+    bool side_pockets;      // the billiards room of e3: six pockets
 };
 
 // From a scene file. AP_INPUT names the place ("room.json: /objects/3/ball/radius_m: …").

@@ -35,15 +35,16 @@ static struct ap_part wooden(struct ap_part part) {
     return part;
 }
 
-// A roll of leather round the outside of a corner, from rail to rail: three quarters of the mouth's
-// rim, given as tangent vectors at the corner, whose table lies toward +z.
-static struct ap_part pocket_rim(struct ap_scene_build *build) {
+// A roll of leather round the outside of a pocket, from rail to rail: three quarters of the mouth's
+// rim at a corner (from 45°), half of it in the middle of an edge (from 90°), given as tangent
+// vectors there, where the table lies toward +z.
+static struct ap_part pocket_rim(struct ap_scene_build *build, double from_rad) {
     double thick = 0.36 * ap_rail_radius(&build->table);
     const struct ap_mesh_arc arc = {.radius_m = ap_pocket_radius(&build->table),
                                     .height_m = 0.4 * thick,
                                     .thick_m = thick,
-                                    .from_rad = M_PI / 4,
-                                    .to_rad = M_PI * 7 / 4};
+                                    .from_rad = from_rad,
+                                    .to_rad = 2 * M_PI - from_rad};
     struct ap_part part = ap_solid_part(AP_ISO_IDENTITY, 0, 0x3a2114);
     for (int k = 0; k < AP_MESH_LEVELS; k++) {
         struct ap_mesh mesh = {.sagitta_m = ap_mesh_sagitta_m(k)};
@@ -58,25 +59,51 @@ static struct ap_part pocket_rim(struct ap_scene_build *build) {
 
 enum { MOUTH_SIDES = 32 };
 
-static void furnish_corner(struct ap_scene_build *build, struct ap_iso corner, struct ap_part rim) {
+static void furnish_pocket(struct ap_scene_build *build, struct ap_iso place, struct ap_part rim) {
     const struct ap_table_shape *t = &build->table;
-    double rail = ap_rail_radius(t),
-           leg = t->space.kappa > 0 ? fmin(0.7, 0.8 * t->space.rho_m) : 0.7;
-    rim.carrier_from_part = corner;
+    rim.carrier_from_part = place;
     ap_build_part(build, rim);
     // Black beyond the cloth, over the tiles that meet there.
     double r = ap_pocket_radius(t), half = sin(M_PI / MOUTH_SIDES);
     half *= ap_space_sin(t->space, r / t->space.rho_m);
     half = t->space.kappa > 0 ? asin(half) : t->space.kappa < 0 ? asinh(half) : half;
-    struct ap_iso lid = ap_iso_mul(corner, ap_shift(t->space, 0, 0.06 * rail, 0));
+    struct ap_iso lid = ap_iso_mul(place, ap_shift(t->space, 0, 0.06 * ap_rail_radius(t), 0));
     struct ap_part hole = ap_polygon_part(lid, MOUTH_SIDES, 2 * half * t->space.rho_m, 0x0a0908);
     ap_build_part(build, hole);
+    struct ap_mouth *mouth = &build->scene->mouths[build->scene->mouth_count++];
+    mouth->at = ap_iso_apply(&place, (struct ap_vec4){0, 0, 0, t->space.rho_m});
+    mouth->radius_m = ap_pocket_radius(t);
+}
+
+static void furnish_leg(struct ap_scene_build *build, struct ap_iso corner) {
+    const struct ap_table_shape *t = &build->table;
+    double rail = ap_rail_radius(t),
+           leg = t->space.kappa > 0 ? fmin(0.7, 0.8 * t->space.rho_m) : 0.7;
     struct ap_iso middle = ap_iso_mul(corner, ap_shift(t->space, 0, -leg / 2 - rail, 0));
     ap_build_part(build,
                   wooden(ap_stick_part(ap_iso_mul(middle, along_y()), leg, 0.9 * rail, 0x4a2c18)));
-    struct ap_mouth *mouth = &build->scene->mouths[build->scene->mouth_count++];
-    mouth->at = ap_iso_apply(&corner, (struct ap_vec4){0, 0, 0, t->space.rho_m});
-    mouth->radius_m = ap_pocket_radius(t);
+}
+
+// The rail of an edge from pocket to pocket, and its sights; with a pocket in its middle, two
+// rails.
+static void furnish_edge(struct ap_scene_build *build, struct ap_iso edge, bool side_pocket) {
+    const struct ap_table_shape *t = &build->table;
+    double rail = ap_rail_radius(t), pocket = ap_pocket_radius(t);
+    int rails = side_pocket ? 2 : 1;
+    double length_m = t->edge_m / rails - 2 * pocket;
+    for (int i = 0; i < rails; i++) {
+        double middle_m = side_pocket ? (i - 0.5) * t->edge_m / 2 : 0;
+        struct ap_iso middle = ap_iso_mul(edge, ap_shift(t->space, middle_m, 0, 0));
+        struct ap_iso lying = ap_iso_mul(middle, along_x());
+        ap_build_part(build, wooden(ap_stick_part(lying, length_m, rail, 0x6b3f22)));
+    }
+    for (int i = -1; i <= 1; i++) {
+        if (i == 0 && side_pocket)
+            continue;
+        struct ap_iso along = ap_iso_mul(edge, ap_shift(t->space, i * t->edge_m / 4, 0, 0));
+        struct ap_iso top = ap_iso_mul(along, ap_shift(t->space, 0, rail, 0));
+        ap_build_part(build, ap_ball_part(top, 0.16 * rail, 0xf0e8d0));
+    }
 }
 
 // Cloth, a rail along each edge as a geodesic tube whose axis is the edge itself, so that it
@@ -84,25 +111,22 @@ static void furnish_corner(struct ap_scene_build *build, struct ap_iso corner, s
 // legs at the corners.
 void ap_furnish_table(struct ap_scene_build *build) {
     const struct ap_table_shape *t = &build->table;
-    double rail = ap_rail_radius(t), pocket = ap_pocket_radius(t);
     struct ap_part felt = ap_polygon_part(AP_ISO_IDENTITY, t->sides, t->edge_m, 0x1f7a4a);
     felt.finish = AP_FINISH_CLOTH;
     felt.takes_marks = true;
     ap_build_part(build, felt);
-    struct ap_part rim = pocket_rim(build);
+    struct ap_part rim = pocket_rim(build, M_PI / 4), side_rim = {0};
+    if (build->side_pockets)
+        side_rim = pocket_rim(build, M_PI / 2);
     build->scene->mouth_count = 0;
     for (int k = 0; k < t->sides; k++) {
-        struct ap_iso edge = ap_table_edge_frame(t, k);
-        double length_m = t->edge_m - 2 * pocket;
-        ap_build_part(build,
-                      wooden(ap_stick_part(ap_iso_mul(edge, along_x()), length_m, rail, 0x6b3f22)));
-        for (int i = -1; i <= 1; i++) {
-            struct ap_iso along = ap_iso_mul(edge, ap_shift(t->space, i * t->edge_m / 4, 0, 0));
-            struct ap_iso top = ap_iso_mul(along, ap_shift(t->space, 0, rail, 0));
-            ap_build_part(build, ap_ball_part(top, 0.16 * rail, 0xf0e8d0));
-        }
-        furnish_corner(build, world_from_corner(t, k), rim);
+        struct ap_iso corner = world_from_corner(t, k);
+        furnish_edge(build, ap_table_edge_frame(t, k), build->side_pockets && k % 2 == 1);
+        furnish_pocket(build, corner, rim);
+        furnish_leg(build, corner);
     }
+    for (int k = 1; k < t->sides && build->side_pockets; k += 2)
+        furnish_pocket(build, ap_table_edge_frame(t, k), side_rim);
 }
 
 // The tiling of the table's plane: whoever walks round the table walks over it. A tile is reached

@@ -58,6 +58,13 @@ if ! "$antipode" doctor 2>/dev/null | grep -q '^ok *Vulkan device'; then
 fi
 ci=$source_dir/src/device/headsets/ci.json
 "$antipode" walk --seconds 3 >"$work/walk.csv" || fail "antipode walk"
+# Six pockets are a table of e3's, in the room as in the physics; a game on it is no game on another.
+expect 2 'six pockets' "$antipode" replay --space h3 --side-pockets --out "$work/six" "$work/walk.csv"
+expect 0 '' "$antipode" replay --space e3 --side-pockets --game free --shots "$work/shots.txt" \
+	--headset "$ci" --frames 0:1 --out "$work/six" "$work/walk.csv"
+grep -q '"side_pockets": true' "$work/six/game.json" || fail "the game has no side pockets"
+expect 3 'six|four' "$antipode" replay --space e3 --game free --saved "$work/six/game.json" \
+	--headset "$ci" --frames 0:1 --out "$work/four" "$work/walk.csv"
 for run in 1 2; do
 	expect 0 '' "$antipode" replay --space s3 --headset "$ci" --pictures 3 --game eight-ball \
 		--shots "$work/shots.txt" --out "$work/r$run" "$work/walk.csv"

@@ -276,6 +276,24 @@ static void small_tables_get_small_balls(void **state) {
     assert_int_equal(ap_scene_billiards(&err, &bad, &s), AP_USAGE);
 }
 
+// Two more pockets in the middles of opposite edges of the square table; no other table has them.
+static void six_pockets(void **state) {
+    (void)state;
+    static const char *const names[] = {"s3", "e3", "h3"};
+    for (int k = 0; k < 3; k++) {
+        const struct ap_scene_params params = {.space_name = names[k], .side_pockets = true};
+        struct ap_scene *s = NULL;
+        assert_int_equal(ap_scene_billiards(NULL, &params, &s), AP_OK);
+        assert_int_equal(s->mouth_count, k == 0 ? 3 : k == 1 ? 6 : 5);
+        for (int m = 4; k == 1 && m < 6; m++) {
+            struct ap_vec4 at = s->mouths[m].at;
+            if (fabs(fabs(at.x) - 0.45) > 1e-12 || fabs(at.y) > 1e-12 || fabs(at.z) > 1e-12)
+                fail_msg("mouth %d at (%g, %g, %g), expected (±0.45, 0, 0)", m, at.x, at.y, at.z);
+        }
+        ap_scene_destroy(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(sixteen_balls_lie_on_the_felt),
                                        cmocka_unit_test(targets_have_their_own_colours),
@@ -283,6 +301,7 @@ int main(void) {
                                        cmocka_unit_test(tiles_do_not_overlap),
                                        cmocka_unit_test(numbers_and_pockets),
                                        cmocka_unit_test(every_part_is_sound),
-                                       cmocka_unit_test(small_tables_get_small_balls)};
+                                       cmocka_unit_test(small_tables_get_small_balls),
+                                       cmocka_unit_test(six_pockets)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

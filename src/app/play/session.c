@@ -60,6 +60,8 @@ static struct ap_room_options room_options(const struct ap_play *play) {
         o.view = ap_play_word(s, AP_PLAY_VIEW);
     if (!o.eye)
         o.eye = ap_play_word(s, AP_PLAY_EYE);
+    if (!play->params.room.space && strcmp(o.space ? o.space : "", "e3") != 0)
+        o.side_pockets = false; // of a table that the menu has changed
     if (isnan(o.max_error_px))
         o.max_error_px = ap_play_number(s, AP_PLAY_ERROR);
     return o;
