@@ -131,7 +131,7 @@ static enum ap_status play_it(struct ap_error *err, const struct play_options *o
                               int log_count) {
     struct ap_play *play = NULL;
     char simulated_path[64] = "", *settings_path = NULL;
-    bool simulated;
+    bool simulated = false;
     struct ap_play_params params = {.room = o->room,
                                     .game = o->game,
                                     .lines = o->lines,
