@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "src/image/image.h"
+
 // Columns from…from + count of each row, to column `to` of rows of `pitch` pixels.
 static void copy_columns(const struct sim_pair *pair, uint32_t from, uint32_t count, uint32_t to,
                          uint32_t pitch, uint8_t *out) {
@@ -20,16 +22,12 @@ struct luminance {
 static void make_luminance(struct luminance *l) {
     static const double bt709[3] = {0.2126, 0.7152, 0.0722};
     for (int v = 0; v < 256; v++) {
-        double s = v / 255.0;
-        double linear = s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
+        double linear = ap_linear_from_srgb((uint8_t)v);
         for (int c = 0; c < 3; c++)
             l->weight[c][v] = (uint16_t)(bt709[c] * linear * 4092 + 0.5);
     }
-    for (int v = 0; v < 4096; v++) {
-        double y = v / 4092.0;
-        double s = y <= 0.0031308 ? 12.92 * y : 1.055 * pow(y, 1 / 2.4) - 0.055;
-        l->byte[v] = (uint8_t)(255 * fmin(s, 1) + 0.5);
-    }
+    for (int v = 0; v < 4096; v++)
+        l->byte[v] = ap_srgb_from_linear(fmin(v / 4092.0, 1));
 }
 
 static void anaglyph(const struct sim_pair *pair, uint32_t width, uint8_t *out) {
