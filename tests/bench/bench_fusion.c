@@ -7,7 +7,8 @@
 #include "tests/device/fusion/broad.h"
 
 // VQF against the usual filters on the two BROAD recordings: inclination and total error (RMS while
-// moving), heading drift, nanoseconds a sample. CSV on standard output. The folder with the
+// moving), as recorded and with the two clocks in step (broad_lag_s), heading drift, nanoseconds a
+// sample. CSV on standard output. The folder with the
 // recordings is the argument, or data/imu of $ANTIPODE_SHARED.
 
 enum kind { GYRO, COMPLEMENTARY, MAHONY, MAHONY_INTEGRAL, VQF_NO_BIAS, VQF_REST, VQF };
@@ -77,11 +78,14 @@ static struct ap_quat orientation(const struct filter *f) {
 }
 
 static void run(const char *name, enum kind kind, const struct broad_row *rows, size_t count) {
-    struct broad_errors errors = {0};
+    struct broad_errors errors = {0}, in_step = {0};
     struct filter f = start(kind);
+    double lag_s = broad_lag_s(rows, count);
     for (size_t i = 0; i < count; i++) {
+        struct broad_row row = broad_in_step(rows, i, lag_s);
         step(&f, &rows[i]);
         broad_add(&errors, &rows[i], orientation(&f));
+        broad_add(&in_step, &row, orientation(&f));
     }
     int64_t best = INT64_MAX;
     for (int round = 0; round < 5; round++) {
@@ -92,8 +96,10 @@ static void run(const char *name, enum kind kind, const struct broad_row *rows, 
         int64_t took = ap_clock_now_ns() - begin;
         best = took < best ? took : best;
     }
-    printf("%s,%s,%.3f,%.2f,%.2f,%.0f\n", name, names[kind], broad_inclination_deg(&errors),
-           broad_total_deg(&errors), broad_drift_deg_min(&errors), (double)best / (double)count);
+    printf("%s,%s,%.3f,%.2f,%.3f,%.2f,%.2f,%.0f\n", name, names[kind],
+           broad_inclination_deg(&errors), broad_total_deg(&errors),
+           broad_inclination_deg(&in_step), broad_total_deg(&in_step), broad_drift_deg_min(&errors),
+           (double)best / (double)count);
 }
 
 int main(int argc, char **argv) {
@@ -103,7 +109,8 @@ int main(int argc, char **argv) {
         printf("skipped: ANTIPODE_SHARED is not set, and no folder was given\n");
         return 77;
     }
-    printf("recording,filter,inclination_rms_deg,total_rms_deg,drift_deg_min,ns_per_sample\n");
+    printf("recording,filter,inclination_rms_deg,total_rms_deg,inclination_in_step_deg,"
+           "total_in_step_deg,drift_deg_min,ns_per_sample\n");
     for (int i = 0; i < 2; i++) {
         char path[1024];
         snprintf(path, sizeof path, "%s/%s%s.csv", argc > 1 ? argv[1] : shared,

@@ -35,6 +35,53 @@ struct broad_row *broad_read(const char *path, size_t *count) {
     return rows;
 }
 
+// The rate (rad/s, sensor's axes) that the reference has half way from row i to the next.
+static struct ap_vec3 reference_rate(const struct broad_row *rows, size_t i) {
+    struct ap_quat d = ap_quat_mul(ap_quat_conj(rows[i].truth), rows[i + 1].truth);
+    double sine = sqrt(d.x * d.x + d.y * d.y + d.z * d.z), sign = d.w < 0 ? -1 : 1;
+    double k = 2 * sign * (sine > 1e-12 ? atan2(sine, fabs(d.w)) / sine : 1) / BROAD_PERIOD_S;
+    return (struct ap_vec3){k * d.x, k * d.y, k * d.z};
+}
+
+// Mean square of what is left of the rates when they are `shift` rows late.
+static double rates_apart(const struct broad_row *rows, size_t count, size_t shift) {
+    static const double MARKERS_TAKEN_FOR_OTHERS = 40; // rad/s
+    double sum = 0, n = 0;
+    for (size_t i = 0; i + 1 + shift < count; i++) {
+        struct ap_vec3 w = reference_rate(rows, i);
+        double size = ap_vec3_length(w);
+        if (!rows[i].moving || !isfinite(size) || size > MARKERS_TAKEN_FOR_OTHERS)
+            continue;
+        double off = ap_vec3_length(ap_vec3_sub(rows[i + shift].gyr, w));
+        sum += off * off;
+        n++;
+    }
+    return sum / n;
+}
+
+double broad_lag_s(const struct broad_row *rows, size_t count) {
+    enum { MOST = 6 };
+    double apart[MOST];
+    size_t best = 0;
+    for (size_t s = 0; s < MOST; s++) {
+        apart[s] = rates_apart(rows, count, s);
+        best = apart[s] < apart[best] ? s : best;
+    }
+    if (best == 0 || best == MOST - 1)
+        return NAN;
+    double before = apart[best - 1], after = apart[best + 1]; // the parabola's lowest point
+    double off = (before - after) / (before - 2 * apart[best] + after) / 2;
+    return ((double)best + off - 0.5) * BROAD_PERIOD_S; // a rate is half way between two references
+}
+
+struct broad_row broad_in_step(const struct broad_row *rows, size_t i, double lag_s) {
+    double back = lag_s / BROAD_PERIOD_S, whole = floor(back);
+    struct broad_row row = rows[i];
+    size_t late = i > (size_t)whole ? i - (size_t)whole : 0;
+    row.truth = ap_quat_slerp(rows[late].truth, rows[late ? late - 1 : 0].truth, back - whole);
+    return row;
+}
+
 void broad_add(struct broad_errors *e, const struct broad_row *row, struct ap_quat estimate) {
     if (!isfinite(row->truth.w + row->truth.x + row->truth.y + row->truth.z))
         return;

@@ -21,6 +21,14 @@ struct broad_row *broad_read(const char *path, size_t *count);
 
 extern const double BROAD_PERIOD_S;
 
+// By how many seconds the rates come after the reference: where the gyroscope agrees best (least
+// squares) with the turns from one reference to the next, and no orientation is estimated. NaN
+// where there is nothing to compare.
+double broad_lag_s(const struct broad_row *rows, size_t count);
+
+// Row i with the reference of lag_s (0 to a period or two) before; of the first row, before that.
+struct broad_row broad_in_step(const struct broad_row *rows, size_t i, double lag_s);
+
 struct broad_errors {
     double heading_start; // the offset removed: the mean of the first two seconds
     size_t starts;
