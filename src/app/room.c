@@ -138,6 +138,7 @@ static enum ap_status make_decals(struct ap_error *err, struct ap_room *room) {
 void ap_room_renderer_params(const struct ap_room *room, struct ap_renderer_params *params) {
     params->max_error_px = room->max_error_px;
     params->samples = room->samples;
+    params->no_cull = room->no_cull;
     params->decals = room->decals.coverage;
     params->decal_px = room->decals.cell_px;
     params->decal_count = room->decals.count;
@@ -178,6 +179,7 @@ static enum ap_status choose_quality(struct ap_error *err, const struct ap_room_
         return ap_fail(err, AP_USAGE, "--samples: expected 4, 16 or 64 a pixel");
     room->max_error_px = isnan(o->max_error_px) ? 0 : o->max_error_px;
     room->samples = isnan(o->samples) ? 0 : (uint32_t)o->samples;
+    room->no_cull = o->no_cull;
     return AP_OK;
 }
 

@@ -19,6 +19,7 @@ struct ap_room_options {
     double radius_m, table_edge_m, table_height_m; // NAN: not given
     bool side_pockets;
     double max_error_px, samples; // likewise
+    bool no_cull;
 };
 
 #define AP_ROOM_OPTIONS_NONE                                                                       \
@@ -45,6 +46,8 @@ struct ap_room_options {
         {"max-error", AP_OPTION_NUMBER, &(o).max_error_px, "PX",                                   \
          "farthest that a surface may be seen from where it is (0.25)"},                           \
         {"samples", AP_OPTION_NUMBER, &(o).samples, "N", "a pixel: 4, 16 or 64 (4)"},              \
+        {"no-cull", AP_OPTION_FLAG, &(o).no_cull, "",                                              \
+         "draw what no eye can see too: the same pictures, to compare the work"},                  \
         {"scene", AP_OPTION_TEXT, &(o).scene, "FILE",                                              \
          "a scene, or a name (docs/honeycombs.md); default: billiards"},                           \
         {"table-edge", AP_OPTION_NUMBER, &(o).table_edge_m, "M",                                   \
@@ -64,6 +67,7 @@ struct ap_room {
     bool has_table;                 // the room has a physical table
     double max_error_px;            // 0: the renderer's default
     uint32_t samples;               // likewise
+    bool no_cull;                   // draw what no eye can see too (ap_renderer_params)
     struct ap_deep_iso *deep_steps; // in h3's worlds of cells: across each face (ap_deep_steps)
     int64_t cells_crossed; // in a world of cells: how often the head went on to another one
 };

@@ -27,8 +27,11 @@ struct ap_renderer_params {
     uint32_t decal_px, decal_count;
     bool no_multiview;          // one pass for each eye; what a software device gets anyway, unless
     bool multiview_in_software; // …the test that proves the two ways equal asks for it
-    bool no_cull;               // draw what no eye can see too: for a test likewise
-    int64_t (*now_ns)(void);    // a clock for the times in ap_frame_stats; NULL: they are 0
+    // Leave nothing out: every part and image for both eyes, all cells within the horizon, whether
+    // an eye can see any of it or not. The pictures stay the same; for tests and to compare the
+    // work. An eye that is shut stays so.
+    bool no_cull;
+    int64_t (*now_ns)(void); // a clock for the times in ap_frame_stats; NULL: they are 0
 };
 
 // Borrows gpu and scene, which must outlive the renderer; the parts' places, colours, `hidden`

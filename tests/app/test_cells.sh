@@ -39,4 +39,29 @@ some=$(column cells)
 lines=$(grep -c 'budget for cells is used up' "$work/stderr")
 [ "$lines" = 1 ] || fail "the budget's end is told $lines times"
 echo "1 MiB: $some of $whole cells: $(cat "$work/stderr")"
+
+# Nothing left out: the same pictures for more work, in cells, behind walls, and in both images of s3.
+compare_culled() { # name, options…
+	name=$1
+	shift
+	for how in '' --no-cull; do
+		# shellcheck disable=SC2086
+		expect 0 '' "$antipode" replay "$@" $how --headset "$ci" --frames 0:9:8 --force \
+			--out "$work/all$how" "$work/walk.csv"
+		[ -z "$how" ] && cp "$work/all/views.csv" "$work/out/views.csv"
+		[ -z "$how" ] && fewer=$(column draws) none=$(column culled)
+	done
+	cp "$work/all--no-cull/views.csv" "$work/out/views.csv"
+	more=$(column draws)
+	[ "$none" -gt 0 ] && [ "$(column culled)" = 0 ] || fail "$name: culled $none and $(column culled)"
+	[ "$more" -gt $((fewer + fewer / 10)) ] || fail "$name: $more parts drawn with --no-cull, $fewer without"
+	for picture in 000000-left 000000-right 000008-left 000008-right; do
+		cmp "$work/all/$picture.png" "$work/all--no-cull/$picture.png" || fail "$name: $picture differs"
+	done
+	echo "$name: $fewer parts drawn in an eye, $more with --no-cull, the same pictures"
+}
+compare_culled '{5,3,4} struts' --scene honeycomb:5,3,4,horizon=30
+compare_culled '{5,3,4} walls' --scene honeycomb:5,3,4,walls,width=0.6,horizon=30
+compare_culled 'billiards in s3' --space s3
+compare_culled 'billiards in h3' --space h3 --view tourist
 finish
