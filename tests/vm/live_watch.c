@@ -15,8 +15,8 @@
 //   read N lost L strange S first F latency median … p99 … max … us      the raw reports
 //   dated median … p99 … max … us                  a pose's time less the time it was sent
 //   poses N worst D                                 of a quaternion's parts from the replayed one's
-//   age median … p99 … max … us                     of the role's newest report, asked about every
-//   ms state ROLE STATE at T                           when the role's state changed, as it changes
+//   age median … p99 … max … us      of the role's newest report, asked about every 2 ms
+//   state ROLE STATE at T             when the role's state changed, as it changes
 //   device SERIAL STATE DRIVER reports R bad B gone G role ROLE…
 //
 //   live_watch [--for S] [--role ROLE] [--assign ROLE=WHICH]… [--recording FILE [--sent LOG]]
@@ -151,7 +151,7 @@ static void follow(struct watch *w, struct ap_live *live) {
     int64_t end = player_now_ns() + (int64_t)(1e9 * w->seconds);
     const char *before = "none";
     while (!player_stop && player_now_ns() < end) {
-        ap_clock_sleep_until_ns(ap_clock_now_ns() + 1030000);
+        ap_clock_sleep_until_ns(ap_clock_now_ns() + 2030000);
         int64_t now = ap_live_now_ns(live);
         struct ap_live_answer a = ap_live_at(live, ap_live_role(live, w->role), now);
         const char *state = name_of(a.state);

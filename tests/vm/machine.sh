@@ -1,18 +1,19 @@
 #!/bin/sh
-# machine.sh [-f SRC[:DST]]… [-m MODULE]… [-e NAME=VALUE]… GUEST-SCRIPT
-# Runs a shell script in a small virtual machine with Debian's own kernel (kernel.sh), so that our
-# programs meet the real HID and USB stack. Its memory holds busybox, the script and guest.sh, the
+# machine.sh [-f SRC[:DST]]… [-m MODULE]… [-e NAME=VALUE]… GUEST-SCRIPT…
+# Runs shell scripts in a small virtual machine with Debian's own kernel (kernel.sh), so that our
+# programs meet the real HID and USB stack. Its memory holds busybox, the scripts and guest.sh, the
 # files of -f (programs to /bin, the rest to /data, with the shared libraries they need) and the
 # kernel's modules uhid, usbhid, hid-generic, vhci-hcd and those of -m.
 #
 # No hardware virtualisation: the processor is emulated and its clock counts instructions, so
 # what is measured inside does not depend on what else the host does, and waiting costs nothing.
-# The exit status is the script's; 77, saying so, where there is no QEMU or no kernel.
+# The exit status is the first script's that is not 0; 77, saying so, where there is no QEMU or no
+# kernel. ANTIPODE_VM_ONLY=NAME runs guest_NAME.sh alone.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 PATH=$PATH:/usr/sbin:/sbin
 kernel=${ANTIPODE_VM_KERNEL:-${ANTIPODE_BUILD:?}/tests/vm/kernel}
-limit=${ANTIPODE_VM_LIMIT:-1200}
+limit=${ANTIPODE_VM_LIMIT:-$((1200 + 2 * (${ANTIPODE_VM_SECONDS:-0} + ${ANTIPODE_VM_UNPLUG_SECONDS:-0})))}
 
 skip() {
 	echo "skipped: $*"
@@ -44,7 +45,7 @@ add() {
 modules='uhid hid-generic usbhid vhci-hcd'
 cat >"$root/environment" <<-END # of long measurements
 	export VM_SECONDS=${ANTIPODE_VM_SECONDS:-} VM_UNPLUG_SECONDS=${ANTIPODE_VM_UNPLUG_SECONDS:-}
-	export VM_LIMIT=$((300 + ${ANTIPODE_VM_SECONDS:-0} + ${ANTIPODE_VM_UNPLUG_SECONDS:-0}))
+	export VM_LIMIT=$((300 + 2 * ${ANTIPODE_VM_SECONDS:-0} + ${ANTIPODE_VM_UNPLUG_SECONDS:-0}))
 END
 while getopts f:m:e: option; do
 	case $option in
@@ -69,9 +70,11 @@ number=10
 for script; do
 	name=$(basename "$script" .sh)
 	name=${name#guest_}
+	[ -z "${ANTIPODE_VM_ONLY:-}" ] || [ "$ANTIPODE_VM_ONLY" = "$name" ] || continue
 	cp "$script" "$root/scripts/$number-$name"
 	number=$((number + 1))
 done
+[ $number -gt 10 ] || { echo "machine.sh: no script named '$ANTIPODE_VM_ONLY'" >&2; exit 1; }
 cp "$here/guest.sh" "$root/data/guest.sh"
 cp "$here/init.sh" "$root/init"
 chmod +x "$root/init"

@@ -10,7 +10,8 @@
 // file and answers to feature reports with the file's ("# F:"), or with what the host has set
 // since. Everything the host sends is printed. The device is there while the program runs.
 //
-//   play_uhid [--rate HZ] [--count N] [--wait] [--serial TEXT] [--hold S] [--late I --late-for S]
+//   play_uhid [--rate HZ] [--count N] [--wait] [--serial TEXT] [--after S] [--hold S]
+//             [--late I --late-for S]
 //             [--sent FILE] RECORDING
 
 static struct player player;
@@ -108,6 +109,7 @@ int main(int argc, char **argv) {
     plug(fd, d);
     while (player.wait && readers <= 0 && !player_stop)
         serve_until(fd, player_now_ns() + 1000000);
+    serve_until(fd, player_now_ns() + player.after_ns);
     int64_t sent = play(fd, d);
     printf("sent %lld reports\n", (long long)sent);
     if (player.sent_log)

@@ -111,12 +111,19 @@ static double number_of(const char *text) {
 }
 
 static const struct option options[] = {
-    {"rate", required_argument, NULL, 'r'},  {"count", required_argument, NULL, 'n'},
-    {"wait", no_argument, NULL, 'w'},        {"serial", required_argument, NULL, 's'},
-    {"maker", required_argument, NULL, 'm'}, {"hold", required_argument, NULL, 'h'},
-    {"fail", required_argument, NULL, 'f'},  {"bare", no_argument, NULL, 'b'},
-    {"late", required_argument, NULL, 'l'},  {"late-for", required_argument, NULL, 'L'},
-    {"sent", required_argument, NULL, 'o'},  {NULL, 0, NULL, 0},
+    {"rate", required_argument, NULL, 'r'},
+    {"count", required_argument, NULL, 'n'},
+    {"wait", no_argument, NULL, 'w'},
+    {"serial", required_argument, NULL, 's'},
+    {"maker", required_argument, NULL, 'm'},
+    {"hold", required_argument, NULL, 'h'},
+    {"fail", required_argument, NULL, 'f'},
+    {"bare", no_argument, NULL, 'b'},
+    {"late", required_argument, NULL, 'l'},
+    {"late-for", required_argument, NULL, 'L'},
+    {"sent", required_argument, NULL, 'o'},
+    {"after", required_argument, NULL, 'a'},
+    {NULL, 0, NULL, 0},
 };
 
 static void set_option(struct player *p, int letter, const char *value) {
@@ -135,6 +142,9 @@ static void set_option(struct player *p, int letter, const char *value) {
         break;
     case 'm':
         p->maker = value;
+        break;
+    case 'a':
+        p->after_ns = (int64_t)(1e9 * number_of(value));
         break;
     case 'h':
         p->hold_ns = (int64_t)(1e9 * number_of(value));

@@ -38,6 +38,7 @@ struct player {
     const char *serial, *maker;
     double rate_hz;     // 0: the recorded times
     int64_t count;      // reports of each device; −1: the recording once, 0: for ever
+    int64_t after_ns;   // how long it says nothing once somebody reads
     int64_t hold_ns;    // how long the device stays after the last one
     int64_t fail_after; // USB: one transfer fails after so many; −1: none
     int64_t late_at;    // before this report the device says nothing …
