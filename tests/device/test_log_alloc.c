@@ -16,50 +16,12 @@
 #include "src/device/timeline.h"
 #include "tests/device/memory_file.h"
 #include "tests/device/log_seeds.h"
+#include "tests/memory.h"
 
 // Memory that is not there, at every wish for it in the life of a log of each format: opening,
 // reading, closing. Either there is an error with a sentence, or everything was read; never less
 // than everything without a word, and nothing is left over (the leak checker looks). Drivers wish
 // for none: their state is the log's.
-
-static long countdown = -1; // of the wish that fails; −1: none
-static long wishes;
-static bool once_refused;
-
-static bool refuse(void) {
-    wishes++;
-    if (countdown < 0 || countdown-- > 0)
-        return false;
-    once_refused = true;
-    return true;
-}
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t n, size_t size);
-void *__real_realloc(void *old, size_t size);
-void *__real_reallocarray(void *old, size_t n, size_t size);
-char *__real_strdup(const char *text);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-void *__wrap_realloc(void *old, size_t size);
-void *__wrap_reallocarray(void *old, size_t n, size_t size);
-char *__wrap_strdup(const char *text);
-
-void *__wrap_malloc(size_t size) {
-    return refuse() ? NULL : __real_malloc(size);
-}
-void *__wrap_calloc(size_t n, size_t size) {
-    return refuse() ? NULL : __real_calloc(n, size);
-}
-void *__wrap_realloc(void *old, size_t size) {
-    return refuse() ? NULL : __real_realloc(old, size);
-}
-void *__wrap_reallocarray(void *old, size_t n, size_t size) {
-    return refuse() ? NULL : __real_reallocarray(old, n, size);
-}
-char *__wrap_strdup(const char *text) {
-    return refuse() ? NULL : __real_strdup(text);
-}
 
 static const char csv[] = "t_ns,device,px,py,pz,qx,qy,qz,qw\n0,head,1,2,3,0,0,0,1\n"
                           "5,left,1,2,3,0,0,0,1\n";
@@ -140,18 +102,15 @@ typedef enum ap_status life(const char *path, int *rows);
 static void check_life(const struct log *log, life *lead) {
     struct memory_file file = memory_file(log->bytes, log->len);
     int want, rows;
-    countdown = -1;
-    wishes = 0;
+    long before = memory_wishes();
     if (lead(file.path, &want) || want == 0)
         fail_msg("%s: %s", log->name, err.text);
-    long all = wishes;
+    long all = memory_wishes() - before;
     for (long i = 0; i < all; i++) {
         err.text[0] = 0;
-        once_refused = false;
-        countdown = i;
+        memory_refuse(i, false);
         enum ap_status st = lead(file.path, &rows);
-        countdown = -1;
-        if (!once_refused)
+        if (!memory_allow())
             fail_msg("%s: wish %ld of %ld did not come", log->name, i, all);
         if (st ? !err.text[0] : rows != want)
             fail_msg("%s, wish %ld: status %d '%s', %d rows of %d", log->name, i, st, err.text,
@@ -184,6 +143,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_formats),
                                        cmocka_unit_test(test_timelines),
                                        cmocka_unit_test(test_inputs)};
-    json_set_alloc_funcs(__wrap_malloc, free);
+    json_set_alloc_funcs(malloc, free); // the linker makes it ours
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

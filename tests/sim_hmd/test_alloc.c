@@ -1,3 +1,4 @@
+#include "tests/memory.h"
 #include "tests/sim_hmd/client.h"
 
 #include <stdatomic.h>
@@ -9,46 +10,6 @@
 // life. The answer is an error that the specification knows, nothing is left over (the leak
 // checker looks), and a life with memory succeeds afterwards. The runtime is linked into the test
 // (meson.build), so that what fails is its own and not a library's.
-
-// The wish that fails, counted down; with `all_after` those that follow fail, too.
-static atomic_long countdown = -1;
-static atomic_bool all_after;
-static atomic_long refused;
-
-static bool refuse(void) {
-    long left = atomic_load(&countdown);
-    if (left < 0)
-        return false;
-    left = atomic_fetch_sub(&countdown, 1);
-    bool no = left == 0 || (left < 0 && atomic_load(&all_after));
-    if (left <= 0 && atomic_load(&all_after))
-        atomic_store(&countdown, 0); // and again
-    if (no)
-        atomic_fetch_add(&refused, 1);
-    return no;
-}
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t n, size_t size);
-void *__real_realloc(void *old, size_t size);
-char *__real_strdup(const char *text);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-void *__wrap_realloc(void *old, size_t size);
-char *__wrap_strdup(const char *text);
-
-void *__wrap_malloc(size_t size) {
-    return refuse() ? NULL : __real_malloc(size);
-}
-void *__wrap_calloc(size_t n, size_t size) {
-    return refuse() ? NULL : __real_calloc(n, size);
-}
-void *__wrap_realloc(void *old, size_t size) {
-    return refuse() ? NULL : __real_realloc(old, size);
-}
-char *__wrap_strdup(const char *text) {
-    return refuse() ? NULL : __real_strdup(text);
-}
 
 // ---- A program that goes home at the first error, as it should
 
@@ -293,16 +254,14 @@ static void try_every_wish(struct client *gpu, bool all) {
     int failures = 0;
     assert_int_equal(live(gpu), XR_SUCCESS);
     for (long i = 0;; i++) {
-        atomic_store(&refused, 0);
-        atomic_store(&all_after, all);
-        atomic_store(&countdown, i);
+        memory_refuse(i, all);
         XrResult result = live(gpu);
-        atomic_store(&countdown, -1);
+        long refused = memory_allow();
         if (!lawful(result))
             fail_msg("wish %ld: result %d", i, result);
         failures += result < 0;
         assert_int_equal(live(gpu), XR_SUCCESS);
-        if (!atomic_load(&refused)) {
+        if (!refused) {
             assert_int_equal(result, XR_SUCCESS);
             print_message("%ld wishes, %d programs went home, %ld messages\n", i, failures,
                           atomic_load(&heard));

@@ -1,6 +1,5 @@
 #include <setjmp.h>
 #include <stdarg.h>
-#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -11,43 +10,11 @@
 
 #include "src/device/live/record.h"
 #include "tests/device/live/devices.h"
+#include "tests/memory.h"
 
 // Memory that is not there, at the i-th wish for it, for every i of a life with devices: opened,
 // plugged in, read, recorded, closed. Nothing breaks and nothing is left over (the leak checker
 // looks); a life with memory succeeds afterwards.
-
-static atomic_long countdown = -1;
-static atomic_long refused;
-
-static bool refuse(void) {
-    if (atomic_load(&countdown) < 0)
-        return false;
-    bool no = atomic_fetch_sub(&countdown, 1) == 0;
-    atomic_fetch_add(&refused, no);
-    return no;
-}
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t n, size_t size);
-void *__real_realloc(void *old, size_t size);
-char *__real_strdup(const char *text);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-void *__wrap_realloc(void *old, size_t size);
-char *__wrap_strdup(const char *text);
-
-void *__wrap_malloc(size_t size) {
-    return refuse() ? NULL : __real_malloc(size);
-}
-void *__wrap_calloc(size_t n, size_t size) {
-    return refuse() ? NULL : __real_calloc(n, size);
-}
-void *__wrap_realloc(void *old, size_t size) {
-    return refuse() ? NULL : __real_realloc(old, size);
-}
-char *__wrap_strdup(const char *text) {
-    return refuse() ? NULL : __real_strdup(text);
-}
 
 static const int64_t MS = 1000000, START_NS = 1000000000;
 static char folder[] = "/tmp/antipode-live-alloc.XXXXXX";
@@ -108,11 +75,9 @@ static void test_every_wish(void **state) {
         snprintf(path, sizeof path, "%s/%s", folder, names[n]);
         long i = 0, without = 0;
         for (; i < 400; i++) {
-            atomic_store(&refused, 0);
-            atomic_store(&countdown, i + 1); // the first wish is the fake bus's
+            memory_refuse(i + 1, false); // the first wish is the fake bus's
             int64_t poses = live_a_life(path);
-            bool was_refused = atomic_load(&refused) > 0;
-            atomic_store(&countdown, -1);
+            bool was_refused = memory_allow() > 0;
             without += was_refused;
             if (!was_refused) {
                 assert_int_equal(poses, 10);
