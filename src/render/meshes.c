@@ -133,6 +133,13 @@ static enum ap_status add_parts(struct ap_error *err, const struct ap_scene *sce
     return st;
 }
 
+static void release(struct ap_meshes *meshes) {
+    free(meshes->shapes);
+    free(meshes->shape_of_part);
+    free(meshes->reach_m);
+    memset(meshes, 0, sizeof *meshes);
+}
+
 static enum ap_status upload(struct ap_error *err, const struct ap_gpu *gpu, const void *bytes,
                              size_t size, VkBufferUsageFlags usage, struct ap_gpu_buffer *buffer) {
     struct ap_gpu_buffer staging = {0}, made = {0};
@@ -157,21 +164,32 @@ static enum ap_status upload(struct ap_error *err, const struct ap_gpu *gpu, con
     return st;
 }
 
-enum ap_status ap_meshes_create(struct ap_error *err, const struct ap_gpu *gpu,
-                                const struct ap_scene *scene, struct ap_meshes *meshes) {
+enum ap_status ap_meshes_make(struct ap_error *err, const struct ap_scene *scene,
+                              struct ap_meshes *meshes, struct ap_mesh_data *data) {
     struct ap_meshes made = {0};
-    struct ap_mesh_data data = {0};
     size_t n = scene->part_count + 1; // an empty scene is a scene
     enum ap_status st = AP_OK;
     size_t *first_part = calloc(n, sizeof *first_part);
     made.shapes = calloc(n, sizeof *made.shapes);
     made.shape_of_part = calloc(n, sizeof *made.shape_of_part);
     made.reach_m = calloc(n, sizeof *made.reach_m);
-    if (!first_part || !made.shapes || !made.shape_of_part || !made.reach_m) {
+    if (!first_part || !made.shapes || !made.shape_of_part || !made.reach_m)
         st = ap_fail(err, AP_ENVIRONMENT, "no memory for the meshes of %zu parts", n);
-        goto out;
-    }
-    st = add_parts(err, scene, &data, &made, first_part);
+    else
+        st = add_parts(err, scene, data, &made, first_part);
+    free(first_part);
+    if (st == AP_OK)
+        *meshes = made;
+    else
+        release(&made);
+    return st;
+}
+
+enum ap_status ap_meshes_create(struct ap_error *err, const struct ap_gpu *gpu,
+                                const struct ap_scene *scene, struct ap_meshes *meshes) {
+    struct ap_meshes made = {0};
+    struct ap_mesh_data data = {0};
+    enum ap_status st = ap_meshes_make(err, scene, &made, &data);
     if (st != AP_OK || data.index_count == 0)
         goto out;
     st = upload(err, gpu, data.vertices, data.vertex_count * sizeof *data.vertices,
@@ -180,7 +198,6 @@ enum ap_status ap_meshes_create(struct ap_error *err, const struct ap_gpu *gpu,
         st = upload(err, gpu, data.indices, data.index_count * sizeof *data.indices,
                     VK_BUFFER_USAGE_INDEX_BUFFER_BIT, &made.indices);
 out:
-    free(first_part);
     ap_mesh_data_finish(&data);
     if (st == AP_OK)
         *meshes = made;
@@ -192,8 +209,5 @@ out:
 void ap_meshes_destroy(const struct ap_gpu *gpu, struct ap_meshes *meshes) {
     ap_gpu_buffer_destroy(gpu, &meshes->vertices);
     ap_gpu_buffer_destroy(gpu, &meshes->indices);
-    free(meshes->shapes);
-    free(meshes->shape_of_part);
-    free(meshes->reach_m);
-    memset(meshes, 0, sizeof *meshes);
+    release(meshes);
 }

@@ -26,6 +26,11 @@ struct ap_meshes {
     double *reach_m; // by part: every point lies within so many metres of the part's place
 };
 
+// The meshes themselves, without a GPU: adds them to data, which `mesh` of each shape points into;
+// buffers stay empty. Finish the data, and destroy with any gpu.
+enum ap_status ap_meshes_make(struct ap_error *err, const struct ap_scene *scene,
+                              struct ap_meshes *meshes, struct ap_mesh_data *data);
+
 enum ap_status ap_meshes_create(struct ap_error *err, const struct ap_gpu *gpu,
                                 const struct ap_scene *scene, struct ap_meshes *meshes);
 void ap_meshes_destroy(const struct ap_gpu *gpu, struct ap_meshes *meshes);

@@ -161,7 +161,7 @@ static double to_triangle(const struct look *l, int e, uint32_t t, const double 
         struct ap_vec3 c = tangent(l, p[k]);
         if (!before_eye(l, e, c))
             return INFINITY;
-        exact_project(l->viewer, SIZE_PX, e, c, corner[k]);
+        ap_exact_pixel(l->viewer, SIZE_PX, e, c, corner[k]);
     }
     return outside(q, corner);
 }
@@ -177,16 +177,16 @@ static double error_px(const struct look *l, int e, uint32_t t, const double s[3
     if (l->viewer->space.kappa > 0 && fabs(d / rho - PI) < 2e-3)
         return -1;
     if (l->part->form == AP_FORM_PLANE) {
-        if (!exact_on_plane(l->viewer->space, &l->part_from_nose, ap_vec3_scale(1 / d, flat), d,
-                            &truth) ||
-            !exact_project(l->viewer, SIZE_PX, e, flat, r) ||
-            !exact_project(l->viewer, SIZE_PX, e, truth, q))
+        if (!ap_exact_on_plane(l->viewer->space, &l->part_from_nose, ap_vec3_scale(1 / d, flat), d,
+                               &truth) ||
+            !ap_exact_pixel(l->viewer, SIZE_PX, e, flat, r) ||
+            !ap_exact_pixel(l->viewer, SIZE_PX, e, truth, q))
             return -1;
         return hypot(q[0] - r[0], q[1] - r[1]);
     }
     between(l, p, s, at);
     double least;
-    if (!exact_project(l->viewer, SIZE_PX, e, tangent(l, at), q) || !before_eye(l, e, flat) ||
+    if (!ap_exact_pixel(l->viewer, SIZE_PX, e, tangent(l, at), q) || !before_eye(l, e, flat) ||
         (least = to_triangle(l, e, t, q)) == INFINITY)
         return -1;
     for (uint32_t i = 0; least > 0.4 * l->bound_px && i < l->item->mesh.index_count / 3; i++)

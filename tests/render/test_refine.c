@@ -68,13 +68,13 @@ static void polygon_errors(const struct ap_viewer *v, const struct ap_iso *nose_
                            truth;
             double d = ap_vec3_length(flat), rho = v->space.rho_m;
             double sine = v->space.kappa > 0 ? fabs(d - PI * rho) : 1;
-            if (sine < 2e-3 ||
-                !exact_on_plane(v->space, &part_from_nose, ap_vec3_scale(1 / d, flat), d, &truth))
+            if (sine < 2e-3 || !ap_exact_on_plane(v->space, &part_from_nose,
+                                                  ap_vec3_scale(1 / d, flat), d, &truth))
                 continue;
             for (int e = 0; e < 2; e++) {
                 double p[2], q[2];
-                if (!exact_project(v, SIZE_PX, e, flat, p) ||
-                    !exact_project(v, SIZE_PX, e, truth, q))
+                if (!ap_exact_pixel(v, SIZE_PX, e, flat, p) ||
+                    !ap_exact_pixel(v, SIZE_PX, e, truth, q))
                     continue;
                 double px = hypot(p[0] - q[0], p[1] - q[1]);
                 tally->points++;
@@ -107,8 +107,8 @@ static void ball_errors(const struct ap_viewer *v, const struct ap_iso *nose_fro
             struct ap_vec4 x = {rho * sine * u[0], rho * sine * u[1], rho * sine * u[2],
                                 rho * ap_space_cos(v->space, part->radius_m / rho)};
             double p[2];
-            exact_project(v, SIZE_PX, e,
-                          ap_log_unchecked(v->space, ap_iso_apply(nose_from_part, x), image), p);
+            ap_exact_pixel(v, SIZE_PX, e,
+                           ap_log_unchecked(v->space, ap_iso_apply(nose_from_part, x), image), p);
             for (int k = 0; k < 2; k++) {
                 low[k] = fmin(low[k], p[k]);
                 high[k] = fmax(high[k], p[k]);

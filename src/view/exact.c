@@ -1,0 +1,28 @@
+#include "src/view/exact.h"
+
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+
+bool ap_exact_pixel(const struct ap_viewer *viewer, const uint32_t size_px[2], int eye,
+                    struct ap_vec3 tangent_m, double px[2]) {
+    const struct ap_frustum *f = &viewer->eye[eye].frustum;
+    struct ap_vec3 p =
+        ap_eye_from_tangent(&viewer->eye[eye], (struct ap_tangent_point){tangent_m}).x;
+    double a = p.x / -p.z, b = p.y / -p.z;
+    px[0] = size_px[0] * (a - f->left) / (f->right - f->left);
+    px[1] = size_px[1] * (f->up - b) / (f->up - f->down);
+    return p.z < 0 && ap_vec3_length(p) > AP_NEAR_M && a > f->left && a < f->right && b > f->down &&
+           b < f->up;
+}
+
+bool ap_exact_on_plane(struct ap_space space, const struct ap_iso *part_from_nose, struct ap_vec3 u,
+                       double d_flat_m, struct ap_vec3 *tangent_m) {
+    const double(*m)[4] = part_from_nose->m;
+    double n = m[1][3], w = m[1][0] * u.x + m[1][1] * u.y + m[1][2] * u.z, rho = space.rho_m;
+    double t = space.kappa > 0 ? atan2(-n, w) : space.kappa < 0 ? atanh(-n / w) : -n / w;
+    if (space.kappa > 0)
+        t += PI * round((d_flat_m / rho - t) / PI);
+    *tangent_m = ap_vec3_scale(t * rho, u);
+    return isfinite(t) && t > 0;
+}
