@@ -146,6 +146,7 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
     struct ap_pipeline_params pipeline = {.vertex = shader[2 * set],
                                           .fragment = shader[2 * set + 1],
                                           .fragment_constant = KIND[kind].draws,
+                                          .vertex_constant = params->euclidean,
                                           .input = &input,
                                           .width = params->width,
                                           .height = params->height,

@@ -31,6 +31,7 @@ struct ap_pass_params {
     uint32_t width, height, views;
     VkSampleCountFlagBits samples;
     VkPipelineLayout layout;
+    bool euclidean; // ap_renderer_params
 };
 enum ap_status ap_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
                               const struct ap_pass_params *params, struct ap_pass *pass);

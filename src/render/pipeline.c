@@ -29,9 +29,11 @@ enum ap_status ap_pipeline_create(struct ap_error *err, const struct ap_gpu *gpu
     VkPipelineShaderStageCreateInfo stages[2] = {
         stage(VK_SHADER_STAGE_VERTEX_BIT, params->vertex),
         stage(VK_SHADER_STAGE_FRAGMENT_BIT, params->fragment)};
-    static const VkSpecializationMapEntry entry = {0, 0, sizeof(int32_t)};
-    const VkSpecializationInfo constants = {1, &entry, sizeof(int32_t), &params->fragment_constant};
-    stages[1].pSpecializationInfo = &constants;
+    static const VkSpecializationMapEntry entries[2] = {{0, 0, sizeof(int32_t)},
+                                                        {1, sizeof(int32_t), sizeof(int32_t)}};
+    const int32_t values[2] = {params->fragment_constant, params->vertex_constant};
+    const VkSpecializationInfo constants = {2, entries, sizeof values, values};
+    stages[0].pSpecializationInfo = stages[1].pSpecializationInfo = &constants;
     VkViewport viewport = {0, 0, (float)params->width, (float)params->height, 0, 1};
     VkRect2D scissor = {{0, 0}, {params->width, params->height}};
     VkPipelineViewportStateCreateInfo viewports = {

@@ -7,6 +7,7 @@
 struct ap_pipeline_params {
     VkShaderModule vertex, fragment;
     int32_t fragment_constant; // of the fragment shader's constant_id 0, where it has one
+    int32_t vertex_constant;   // of the vertex shader's constant_id 1, where it has one
     const VkPipelineVertexInputStateCreateInfo *input; // NULL: no vertex buffers
     uint32_t width, height;
     VkSampleCountFlagBits samples;

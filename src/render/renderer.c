@@ -254,6 +254,9 @@ enum ap_status ap_renderer_create(struct ap_error *err, const struct ap_gpu *gpu
     if (params->width == 0 || params->height == 0)
         return ap_fail(err, AP_USAGE, "the renderer was asked for pictures of %u by %u pixels",
                        params->width, params->height);
+    if (params->euclidean && scene->space.kappa != 0)
+        return ap_fail(err, AP_USAGE, "the Euclidean pipeline was asked for in %s",
+                       ap_space_name(scene->space));
     struct ap_renderer *r = calloc(1, sizeof *r);
     if (!r)
         return ap_fail(err, AP_ENVIRONMENT, "no memory for the renderer");
@@ -416,7 +419,8 @@ static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r, boo
                                     r->across * r->params.height,
                                     both ? 2 : 1,
                                     r->samples,
-                                    r->layout};
+                                    r->layout,
+                                    r->params.euclidean};
     if (r->pass[both].render_pass)
         return AP_OK;
     enum ap_status st = ap_pass_create(err, r->gpu, &params, &r->pass[both]);
