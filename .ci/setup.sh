@@ -1,13 +1,13 @@
 # Sourced by check and demo (its own variables begin with setup_): installs the Debian packages that are missing (root, or sudo).
 
 build_packages='gcc libc6-dev meson ninja-build pkg-config glslang-tools libvulkan-dev
-	libopenxr-dev libopenxr-loader1 libglfw3-dev libpng-dev libassimp-dev libjansson-dev zlib1g-dev libzstd-dev libusb-1.0-0-dev
+	libopenxr-dev libopenxr-loader1 libglfw3-dev libpng-dev libassimp-dev libjansson-dev zlib1g-dev libzstd-dev libusb-1.0-0-dev libhidapi-dev
 	mesa-vulkan-drivers gnuplot-nox libfreetype-dev libfontconfig-dev fonts-dejavu-core'
 check_packages='clang libcmocka-dev libmpfr-dev vulkan-validationlayers libopenxr-utils
 	openxr-layer-corevalidation xvfb xauth xdotool imagemagick x11-utils procps'
 
 # For the tests in a virtual machine (tests/vm), which are skipped without.
-machine_packages='libhidapi-dev libusb-1.0-0-dev qemu-system-x86 busybox-static kmod cpio xz-utils'
+machine_packages='qemu-system-x86 busybox-static kmod cpio xz-utils'
 
 # setup_packages demo|check
 setup_packages() {

@@ -16,7 +16,7 @@ static const char *const top_keys[] = {
 static const char *const log_keys[] = {"logs", "up", "head_frame", "skip_bad", "table_at", NULL};
 static const char *const script_keys[] = {"script",     "table_edge_m", "table_height_m",
                                           "duration_s", "seed",         NULL};
-static const char *const device_keys[] = {"devices", "position",    "replay",
+static const char *const device_keys[] = {"devices", "position",    "replay", "bus",
                                           "stats",   "calibration", NULL};
 static const char *const window_keys[] = {"window", NULL};
 static const char *const capture_keys[] = {"dir",    "frames", "layers", "composed",
@@ -249,6 +249,8 @@ static enum ap_status read_devices(struct ap_error *err, const struct ap_json_at
         st = read_texts(err, poses, "position", false, &s->devices.position);
     if (!st)
         st = read_texts(err, poses, "replay", true, &s->devices.replay);
+    if (!st)
+        st = read_texts(err, poses, "bus", false, &s->devices.bus);
     const char *folder = NULL;
     if (!st && ap_json_has(poses, "calibration"))
         st = ap_json_string(err, poses, "calibration", &folder);
@@ -527,6 +529,7 @@ void sim_settings_finish(struct sim_settings *settings) {
     free_texts(&settings->devices.assign);
     free(settings->devices.calibration);
     free_texts(&settings->devices.position);
+    free_texts(&settings->devices.bus);
     free_texts(&settings->devices.replay);
     for (size_t i = 0; i < settings->log_count; i++)
         free(settings->logs[i]);

@@ -34,7 +34,7 @@ struct sim_texts {
 
 // poses {"devices": …}: src/device/live/live.h says what they mean.
 struct sim_device_settings {
-    struct sim_texts assign, position, replay;
+    struct sim_texts assign, position, replay, bus;
     char *calibration; // the folder; NULL: none
     bool stats;
 };

@@ -46,7 +46,9 @@ static enum ap_status open_live(struct ap_error *err, const struct sim_device_se
     struct ap_live_params params = {.assign = (const char *const *)s->assign.text,
                                     .assign_count = s->assign.count,
                                     .position = (const char *const *)s->position.text,
-                                    .position_count = s->position.count};
+                                    .position_count = s->position.count,
+                                    .ways = (const char *const *)s->bus.text,
+                                    .way_count = s->bus.count};
     struct ap_live_bus way;
     struct ap_live_mounts mounts = {.count = 0};
     enum ap_status st = s->calibration ? ap_live_mounts_read(err, s->calibration, &mounts) : AP_OK;

@@ -143,9 +143,45 @@ out:
     return st;
 }
 
+// What one kind of calibration takes and another does not.
+static enum ap_status check_what(struct ap_error *err, const struct ap_calibrate_options *o,
+                                 const char *what) {
+    const struct {
+        const char *name, *takers;
+        bool given;
+    } rows[] = {{"only", "rest, mount", o->only},
+                {"poses", "rest", !isnan(o->poses)},
+                {"corners", "table", !isnan(o->corners)},
+                {"table-edge", "table", !isnan(o->table_edge)},
+                {"tip", "table", o->tip},
+                {"out", "table", o->out},
+                {"device, --position, --replay, --bus", "rest, mount, table",
+                 ap_live_options_given(&o->live)}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        if (rows[i].given && !strstr(rows[i].takers, what))
+            return ap_fail(err, AP_USAGE, "--%s: for calibrate %s, not %s", rows[i].name,
+                           rows[i].takers, what);
+    return AP_OK;
+}
+
+static enum ap_status check_values(struct ap_error *err, const struct ap_calibrate_options *o) {
+    if (o->corners != 3 && o->corners != 4)
+        return ap_fail(err, AP_USAGE, "--corners: expected 3 or 4, not %g", o->corners);
+    if (!(o->poses >= 1 && o->poses <= AP_RESTS_MAX) || o->poses != floor(o->poses))
+        return ap_fail(err, AP_USAGE, "--poses: expected a whole number from 1 to %d, not %g",
+                       AP_RESTS_MAX, o->poses);
+    if (!(o->seconds > 0 && o->seconds <= 1e6))
+        return ap_fail(err, AP_USAGE, "--seconds: expected more than 0, at most 1000000, not %g",
+                       o->seconds);
+    return AP_OK;
+}
+
 static enum ap_status run(struct ap_error *err, int argc, char **argv) {
-    struct ap_calibrate_options o = {
-        .seconds = 60, .table_edge = NAN, .poses = 1, .corners = 3, .live = {.uncalibrated = true}};
+    struct ap_calibrate_options o = {.seconds = 60,
+                                     .table_edge = NAN,
+                                     .poses = NAN,
+                                     .corners = NAN,
+                                     .live = {.uncalibrated = true}};
     const struct ap_option options[] = {
         {"only", AP_OPTION_TEXT, &o.only, "SERIAL", "this device alone (rest, mount)"},
         {"poses", AP_OPTION_NUMBER, &o.poses, "N", "so many ways up (rest; 1)"},
@@ -168,12 +204,14 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
     enum ap_status st = ap_parse_options(err, &usage, argc, argv, &operands, &done);
     if (st || done)
         return st;
-    if (o.corners != 3 && o.corners != 4)
-        return ap_fail(err, AP_USAGE, "--corners: expected 3 or 4");
-    if (!(o.poses >= 1 && o.poses <= AP_RESTS_MAX) || !(o.seconds > 0 && o.seconds <= 1e6))
-        return ap_fail(err, AP_USAGE, "--poses: expected 1 to %d; --seconds: 0 to 1000000",
-                       AP_RESTS_MAX);
-    return dispatch(err, &o, argv + 1, operands);
+    st = check_what(err, &o, argv[1]);
+    o.poses = isnan(o.poses) ? 1 : o.poses;
+    o.corners = isnan(o.corners) ? 3 : o.corners;
+    if (!st)
+        st = check_values(err, &o);
+    if (!st)
+        st = ap_live_options_check(err, &o.live);
+    return st ? st : dispatch(err, &o, argv + 1, operands);
 }
 
 const struct ap_command ap_command_calibrate = {

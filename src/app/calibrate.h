@@ -12,8 +12,8 @@ struct ap_calibrate_options {
     const char *tip;   // "X,Y,Z"
     double seconds;    // at most; NAN: 60
     double table_edge; // NAN: not known
-    double poses;      // of the accelerometer
-    double corners;
+    double poses;      // of the accelerometer; NAN: 1
+    double corners;    // NAN: 3
 };
 
 enum ap_status ap_calibrate_rest(struct ap_error *err, const struct ap_calibrate_options *o);

@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 
 #include "src/app/room_file.h"
 #include "src/base/log.h"
@@ -18,20 +19,57 @@ static enum ap_status read_mounts(struct ap_error *err, struct ap_live_mounts *m
     return st;
 }
 
+static void set_lists(const struct ap_live_options *o, struct ap_live_params *params) {
+    params->assign = o->device.text;
+    params->assign_count = o->device.count;
+    params->position = o->position.text;
+    params->position_count = o->position.count;
+    params->ways = o->bus.text;
+    params->way_count = o->bus.count;
+}
+
+static enum ap_status check_words(struct ap_error *err, const struct ap_live_options *o) {
+    struct ap_live_params params = {.bus_count = 0};
+    set_lists(o, &params);
+    if (o->bus.count && o->replay.count)
+        return ap_fail(err, AP_USAGE,
+                       "--bus and --replay: a recording needs no bus; give one of "
+                       "them");
+    return ap_live_check(err, &params);
+}
+
+// A recording that cannot be read is better known before a program runs. A pipe is read once only.
+static enum ap_status check_replay(struct ap_error *err, const char *path) {
+    struct ap_live_bus way;
+    struct stat s;
+    if (stat(path, &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode))
+        return AP_OK;
+    enum ap_status st = ap_live_replay(err, &path, 1, &way);
+    if (!st)
+        way.io->destroy(way.bus);
+    return st;
+}
+
+enum ap_status ap_live_options_check(struct ap_error *err, const struct ap_live_options *o) {
+    enum ap_status st = check_words(err, o);
+    for (size_t i = 0; i < o->replay.count && !st; i++)
+        st = check_replay(err, o->replay.text[i]);
+    return st;
+}
+
 enum ap_status ap_live_options_open(struct ap_error *err, const struct ap_live_options *o,
                                     const struct ap_live_params *base, struct ap_live **live) {
     struct ap_live_params params = *base;
     struct ap_live_bus way;
     struct ap_live_mounts mounts = {.count = 0};
-    enum ap_status st = o->uncalibrated ? AP_OK : read_mounts(err, &mounts);
+    enum ap_status st = check_words(err, o);
+    if (!st && !o->uncalibrated)
+        st = read_mounts(err, &mounts);
     for (int i = 0; i < mounts.count && o->unmounted; i++)
         mounts.mounts[i].tracker_from_body = (struct ap_quat){0};
     params.mounts = mounts.mounts;
     params.mount_count = (size_t)mounts.count;
-    params.assign = o->device.text;
-    params.assign_count = o->device.count;
-    params.position = o->position.text;
-    params.position_count = o->position.count;
+    set_lists(o, &params);
     if (!st && o->replay.count) {
         st = ap_live_replay(err, o->replay.text, o->replay.count, &way);
         params.buses = &way;
@@ -44,7 +82,7 @@ enum ap_status ap_live_options_open(struct ap_error *err, const struct ap_live_o
 }
 
 bool ap_live_options_given(const struct ap_live_options *o) {
-    return o->device.count || o->position.count || o->replay.count;
+    return o->device.count || o->position.count || o->replay.count || o->bus.count;
 }
 
 // Relative paths in the settings are relative to the settings file.
@@ -78,6 +116,7 @@ json_t *ap_live_options_json(const struct ap_live_options *o, bool stats) {
     bool ok = json_object_set_new(object, "devices", devices) == 0;
     ok = json_object_set_new(object, "position", position) == 0 && ok;
     ok = json_object_set_new(object, "replay", replay) == 0 && ok;
+    ok = json_object_set_new(object, "bus", texts_json(&o->bus, false)) == 0 && ok;
     ok = json_object_set_new(object, "stats", json_boolean(stats)) == 0 && ok;
     if (ok && add_calibration(object))
         return object;
@@ -99,13 +138,13 @@ static bool any_opens(const struct ap_live_place *places, const struct ap_driver
     return any;
 }
 
-bool ap_live_is_plugged(void) {
+bool ap_live_is_plugged(const struct ap_live_options *o) {
     struct ap_live_bus buses[AP_LIVE_BUSES_MAX];
     const struct ap_driver *drivers[AP_LIVE_DEVICES_MAX];
     struct ap_live_place *places = calloc(AP_LIVE_DEVICES_MAX, sizeof *places);
     int bus_count = 0;
     bool any = false;
-    if (places && !ap_live_machine(NULL, buses, &bus_count)) {
+    if (places && !ap_live_machine(NULL, o->bus.text, o->bus.count, buses, &bus_count)) {
         int n = ap_live_list(buses, bus_count, places, drivers, AP_LIVE_DEVICES_MAX);
         any = any_opens(places, drivers, n);
     }

@@ -59,7 +59,7 @@ static bool is_virtual(const struct play_options *o) {
 
 // What is plugged in is used without being asked for.
 static bool use_devices(const struct play_options *o, bool given, int log_count) {
-    if (given || log_count > 0 || o->no_devices || is_virtual(o) || !ap_live_is_plugged())
+    if (given || log_count > 0 || o->no_devices || is_virtual(o) || !ap_live_is_plugged(&o->live))
         return given;
     ap_log(AP_LOG_INFO, "play: trackers are plugged in and move head and hands (--no-devices: the "
                         "keys do)");
@@ -70,13 +70,19 @@ static bool use_devices(const struct play_options *o, bool given, int log_count)
 static enum ap_status choose_runtime(struct ap_error *err, const struct play_options *o,
                                      char **logs, int log_count, char settings[64],
                                      bool *simulated) {
+    enum ap_status st = ap_live_options_check(err, &o->live);
+    if (!st && o->no_devices && ap_live_options_given(&o->live))
+        st = ap_fail(err, AP_USAGE,
+                     "--no-devices, and --device, --position, --replay or --bus: not both");
+    if (st)
+        return st;
     char *configured = ap_runtime_configured();
     bool given = ap_live_options_given(&o->live);
     *simulated = o->simulated || log_count > 0 || o->headset || given || !configured;
     free(configured);
     if (given && log_count > 0)
         return ap_fail(err, AP_USAGE,
-                       "--device, --position, --replay: where the head is can come "
+                       "--device, --position, --replay, --bus: where the head is can come "
                        "from a log or from devices, not from both");
     bool live = *simulated && use_devices(o, given, log_count);
     char *inputs[AP_TEXT_LIST_MAX];

@@ -1,6 +1,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "src/app/live_options.h"
@@ -149,6 +150,8 @@ static enum ap_status run(struct ap_error *err, int argc, char **argv) {
     if (!st && !done && !isnan(o.seconds) && !(o.seconds > 0 && o.seconds <= 1e6))
         st = ap_fail(err, AP_USAGE, "--seconds: expected more than 0, at most 1000000, not %g",
                      o.seconds);
+    if (!st && !done && strcmp(argv[1], "-") == 0)
+        st = ap_fail(err, AP_USAGE, "two files are written, OUT and a CSV beside it: name a file");
     return st || done ? st : record(err, &o, argv[1]);
 }
 

@@ -115,7 +115,7 @@ static enum ap_status check_devices(struct ap_error *err, const struct ap_sim_op
         return ap_fail(err, AP_USAGE,
                        "--clock virtual: devices move in real time; for a run that "
                        "repeats, give the recording to --poses");
-    return AP_OK;
+    return ap_live_options_check(err, &o->live);
 }
 
 enum ap_status ap_sim_check(struct ap_error *err, const struct ap_sim_options *o) {

@@ -41,7 +41,20 @@ static int open_part(const char *path, char **part) {
     return fd;
 }
 
+// A folder, a device, a pipe: a new name would put a file in its place, which nobody means.
+static enum ap_status check_target(struct ap_error *err, const char *path) {
+    size_t len = strlen(path);
+    struct stat s;
+    if (len == 0)
+        return ap_fail(err, AP_ENVIRONMENT, "a file's name is empty");
+    if (path[len - 1] == '/' || (stat(path, &s) == 0 && !S_ISREG(s.st_mode)))
+        return ap_fail(err, AP_ENVIRONMENT, "%s: is no plain file and cannot be replaced", path);
+    return AP_OK;
+}
+
 enum ap_status ap_outfile_open(struct ap_error *err, const char *path, struct ap_outfile *out) {
+    if (check_target(err, path))
+        return AP_ENVIRONMENT;
     struct ap_outfile file = {.path = strdup(path)};
     enum ap_status st = AP_OK;
     int fd = open_part(path, &file.part);

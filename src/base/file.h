@@ -16,8 +16,8 @@ struct ap_outfile {
     char *part;
 };
 
-// AP_ENVIRONMENT where the folder cannot be written. On success the caller owes one commit or
-// abort.
+// AP_ENVIRONMENT where the folder cannot be written or the path is there and no plain file. On
+// success the caller owes one commit or abort.
 enum ap_status ap_outfile_open(struct ap_error *err, const char *path, struct ap_outfile *out);
 
 // Flushes, closes and renames. On any failure (a full disk…) the part is removed, AP_ENVIRONMENT.

@@ -12,8 +12,7 @@ static bool is_word_byte(char c, bool first) {
     return letter || (!first && ((c >= '0' && c <= '9') || c == '-'));
 }
 
-// "left=x.csv" has a role, "./a=b.csv" and "2=1" have none. With the "=".
-static size_t role_length(const char *argument) {
+size_t ap_role_length(const char *argument) {
     size_t n = 0;
     while (is_word_byte(argument[n], n == 0))
         n++;
@@ -141,7 +140,7 @@ static enum ap_status take_options(struct ap_error *err, const char *argument, c
 enum ap_status ap_log_argument_parse(struct ap_error *err, const char *argument,
                                      struct ap_log_argument *out) {
     struct ap_log_argument a = {.time_scale = 1};
-    size_t role = role_length(argument), end = file_end(argument, role), len = end - role;
+    size_t role = ap_role_length(argument), end = file_end(argument, role), len = end - role;
     if (role)
         a.role = (struct ap_field){argument, role - 1};
     if (len == 0)
@@ -160,12 +159,12 @@ enum ap_status ap_log_argument_parse(struct ap_error *err, const char *argument,
 }
 
 bool ap_log_argument_is_stdin(const char *argument) {
-    size_t role = role_length(argument);
+    size_t role = ap_role_length(argument);
     return file_end(argument, role) - role == 1 && argument[role] == '-';
 }
 
 char *ap_log_argument_in(const char *argument, const char *folder) {
-    size_t role = role_length(argument), len = strlen(argument), folder_len = strlen(folder);
+    size_t role = ap_role_length(argument), len = strlen(argument), folder_len = strlen(folder);
     if (argument[role] == '/' || !argument[role] || ap_log_argument_is_stdin(argument))
         return strdup(argument);
     bool slash = folder_len > 0 && folder[folder_len - 1] != '/';

@@ -31,6 +31,10 @@ enum ap_status ap_log_argument_parse(struct ap_error *err, const char *argument,
 // relative; malloc'ed, NULL without memory. "-" and what is no argument stay as they are.
 char *ap_log_argument_in(const char *argument, const char *folder);
 
+// How much of it is "ROLE=", a word of letters, digits, '_' and '-' that begins with neither of the
+// digits nor '-': "left=x.csv" has a role, "./a=b.csv" and "2=1" have none, which is 0.
+size_t ap_role_length(const char *argument);
+
 bool ap_log_argument_is_stdin(const char *argument);
 
 // The row as the options say, but for up and frame: time, scale, axes, inversion. False where its

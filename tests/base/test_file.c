@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "src/base/file.h"
@@ -89,6 +90,25 @@ static void a_full_disk_keeps_the_old_file(void **state) {
     free(path);
 }
 
+// A name would otherwise be given to a file in the place of what stands there: of /dev/null…
+static void what_is_no_file_is_not_replaced(void **state) {
+    (void)state;
+    char path[256], folder[256];
+    struct ap_error err = {""};
+    struct ap_outfile file;
+    snprintf(folder, sizeof folder, "%s/thing", dir);
+    snprintf(path, sizeof path, "%s/thing/", dir);
+    assert_int_equal(mkfifo(folder, 0600), 0);
+    assert_int_equal(ap_outfile_open(&err, folder, &file), AP_ENVIRONMENT);
+    assert_non_null(strstr(err.text, "thing: is no plain file"));
+    unlink(folder);
+    assert_int_equal(mkdir(folder, 0700), 0);
+    assert_int_equal(ap_outfile_open(&err, folder, &file), AP_ENVIRONMENT);
+    assert_int_equal(ap_outfile_open(&err, path, &file), AP_ENVIRONMENT);
+    assert_int_equal(ap_outfile_open(&err, "", &file), AP_ENVIRONMENT);
+    assert_int_equal(rmdir(folder), 0); // nothing was left in it
+}
+
 static void folders_are_made_and_errors_name_the_place(void **state) {
     (void)state;
     char *deep = ap_path_join(dir, "x/y/z");
@@ -120,6 +140,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(commit_gives_the_name_and_abort_leaves_nothing),
         cmocka_unit_test(a_full_disk_keeps_the_old_file),
+        cmocka_unit_test(what_is_no_file_is_not_replaced),
         cmocka_unit_test(folders_are_made_and_errors_name_the_place),
         cmocka_unit_test(error_texts_are_one_line),
     };

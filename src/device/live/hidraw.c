@@ -10,22 +10,21 @@
 #include <sys/inotify.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
-#include <sys/sysmacros.h>
 #include <poll.h>
 #include <unistd.h>
 
 #include "src/base/clock.h"
-#include "src/device/live/io.h"
+#include "src/device/live/place.h"
 
 // The kernel's own interface: a node for each HID interface, reports as they come. hidapi's hidraw
 // backend stands on the same nodes, but gives no descriptor to wait on, so that a thread could read
 // one device only; forgets what is queued when a device is unplugged; cannot give a report
 // descriptor in Debian's version; and ends the program on a path that is none (docs/devices.md).
 
-enum { ROOT_MAX = 128, WAKE_TAG = -1, QUEUE = 63 };
+enum { WAKE_TAG = -1, QUEUE = 63 };
 
 struct hidraw_bus {
-    char root[ROOT_MAX];
+    char root[LIVE_ROOT_MAX];
     int epoll, wake, rouse, inotify;
 };
 
@@ -34,59 +33,6 @@ struct hidraw_device {
 };
 
 // --- what there is
-
-// A small file of sysfs; the number of bytes, 0 where it cannot be read.
-static size_t read_file(int dir, const char *name, void *bytes, size_t size) {
-    int fd = openat(dir, name, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
-        return 0;
-    ssize_t n = read(fd, bytes, size);
-    close(fd);
-    return n > 0 ? (size_t)n : 0;
-}
-
-// The value of "KEY=value" in uevent's lines, cut to fit, control characters replaced.
-static void find_value(const char *text, const char *key, char *out, size_t size) {
-    size_t key_len = strlen(key), n = 0;
-    for (const char *line = text; line && *line; line = strchr(line, '\n')) {
-        line += *line == '\n';
-        if (strncmp(line, key, key_len) != 0 || line[key_len] != '=')
-            continue;
-        for (const char *c = line + key_len + 1; *c && *c != '\n' && n + 1 < size; c++)
-            out[n++] = (unsigned char)*c < 0x20 || *c == 0x7f ? '?' : *c;
-        break;
-    }
-    out[n] = '\0';
-}
-
-static bool read_place(int dir, const char *node, const char *root, struct ap_live_place *place) {
-    char uevent[2048], id[64], name[64], number[16] = "";
-    snprintf(name, sizeof name, "%s/device/uevent", node);
-    size_t n = read_file(dir, name, uevent, sizeof uevent - 1);
-    uevent[n] = '\0';
-    unsigned bus, vendor, product;
-    find_value(uevent, "HID_ID", id, sizeof id);
-    if (sscanf(id, "%x:%x:%x", &bus, &vendor, &product) != 3)
-        return false;
-    memset(place, 0, sizeof *place);
-    place->bus = (uint16_t)bus;
-    place->vendor = (uint16_t)vendor;
-    place->product = (uint16_t)product;
-    find_value(uevent, "HID_NAME", place->name, sizeof place->name);
-    find_value(uevent, "HID_PHYS", place->port, sizeof place->port);
-    find_value(uevent, "HID_UNIQ", place->serial, sizeof place->serial);
-    snprintf(name, sizeof name, "%s/device/report_descriptor", node);
-    place->descriptor_len = read_file(dir, name, place->descriptor, sizeof place->descriptor);
-    // The HID device's parent is the USB interface.
-    snprintf(name, sizeof name, "%s/device/../bInterfaceNumber", node);
-    place->interface_number =
-        read_file(dir, name, number, sizeof number - 1) ? (int)strtol(number, NULL, 16) : -1;
-    snprintf(place->path, sizeof place->path, "%s/dev/%s", root, node);
-    if (access(place->path, F_OK) != 0)
-        return false;
-    place->denied = access(place->path, R_OK | W_OK) != 0;
-    return true;
-}
 
 static int by_number(const struct dirent **a, const struct dirent **b) {
     return strverscmp((*a)->d_name, (*b)->d_name);
@@ -98,20 +44,16 @@ static int is_hidraw(const struct dirent *entry) {
 
 static int list(void *arg, struct ap_live_place *places, int max) {
     struct hidraw_bus *bus = arg;
-    char path[ROOT_MAX + 32];
+    char path[LIVE_ROOT_MAX + 32];
     snprintf(path, sizeof path, "%s/sys/class/hidraw", bus->root);
     struct dirent **entries = NULL;
     int n = scandir(path, &entries, is_hidraw, by_number), count = 0;
-    int dir = n > 0 ? open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
     for (int i = 0; i < n; i++) {
-        if (dir >= 0 && count < max &&
-            read_place(dir, entries[i]->d_name, bus->root, &places[count]))
+        if (count < max && live_hidraw_place(bus->root, entries[i]->d_name, &places[count]))
             count++;
         free(entries[i]);
     }
     free(entries);
-    if (dir >= 0)
-        close(dir);
     return count;
 }
 
@@ -147,27 +89,13 @@ static enum ap_status open_device(struct ap_error *err, void *arg,
     return AP_OK;
 }
 
-// By its number's subsystem, so that nothing is opened that might do something.
-static bool is_hidraw_node(const char *path) {
-    struct stat s;
-    char link[64], target[256];
-    if (stat(path, &s) != 0 || !S_ISCHR(s.st_mode))
-        return false;
-    snprintf(link, sizeof link, "/sys/dev/char/%u:%u/subsystem", major(s.st_rdev),
-             minor(s.st_rdev));
-    ssize_t n = readlink(link, target, sizeof target - 1);
-    target[n > 0 ? n : 0] = '\0';
-    const char *slash = strrchr(target, '/');
-    return slash && strcmp(slash, "/hidraw") == 0;
-}
-
 enum ap_status ap_live_hidraw_resolve(struct ap_error *err, char path[AP_LIVE_PATH_MAX]) {
     char *real = realpath(path, NULL);
     if (!real)
         return AP_OK;
     bool fits = strlen(real) < AP_LIVE_PATH_MAX;
     enum ap_status st = AP_OK;
-    if (!fits || !is_hidraw_node(real))
+    if (!fits || !live_is_hidraw_node(real))
         st = ap_fail(err, AP_INPUT,
                      "%s: is no hidraw node; antipode devices lists what is plugged in", path);
     else
@@ -316,7 +244,7 @@ enum ap_status ap_live_hidraw(struct ap_error *err, const char *root, struct ap_
         return ap_fail(err, AP_ENVIRONMENT, "devices: %s", strerror(number));
     }
     // Without it (a limit of the user's) plugging is seen at the next look, within a second.
-    char dev[ROOT_MAX + 8];
+    char dev[LIVE_ROOT_MAX + 8];
     snprintf(dev, sizeof dev, "%s/dev", bus->root);
     if (bus->inotify >= 0)
         inotify_add_watch(bus->inotify, dev, IN_CREATE | IN_DELETE | IN_ATTRIB);

@@ -94,4 +94,8 @@ enum ap_status ap_live_replay(struct ap_error *err, const char *const *files, si
 // USB devices that a driver knows and that no hidraw node stands for, by libusb.
 enum ap_status ap_live_usb(struct ap_error *err, struct ap_live_bus *bus);
 
+// Whatever hidapi knows (its hidraw backend: the nodes of ap_live_hidraw). A thread for each
+// device. Only in programs that are built with hidapi. AP_ENVIRONMENT.
+enum ap_status ap_live_hidapi(struct ap_error *err, struct ap_live_bus *bus);
+
 #endif

@@ -29,15 +29,6 @@ static enum ap_status no_memory(struct ap_error *err) {
     return ap_fail(err, AP_ENVIRONMENT, "devices: out of memory");
 }
 
-enum ap_status ap_live_machine(struct ap_error *err, struct ap_live_bus *buses, int *count) {
-    enum ap_status st = ap_live_hidraw(err, "", &buses[0]);
-    if (st)
-        return st;
-    // A machine without USB has no second way, which is no reason to do without the first.
-    *count = ap_live_usb(NULL, &buses[1]) == AP_OK ? 2 : 1;
-    return AP_OK;
-}
-
 static enum ap_status take_buses(struct ap_error *err, const struct ap_live_params *params,
                                  struct ap_live *live) {
     struct ap_live_bus buses[AP_LIVE_BUSES_MAX];
@@ -46,7 +37,7 @@ static enum ap_status take_buses(struct ap_error *err, const struct ap_live_para
     if (params->buses)
         memcpy(buses, params->buses, (size_t)count * sizeof *buses);
     else
-        st = ap_live_machine(err, buses, &count);
+        st = ap_live_machine(err, params->ways, params->way_count, buses, &count);
     for (int i = 0; i < count && !st; i++)
         live->buses[live->bus_count++].way = buses[i];
     return st;
@@ -108,6 +99,8 @@ static enum ap_status prepare(struct ap_error *err, const struct ap_live_params 
     live->listener = params->listener;
     live->history = params->history;
     enum ap_status st = take_buses(err, params, live);
+    if (!st)
+        st = ap_live_check(err, params);
     if (!st && !ap_history_init(&history, &params->history))
         st = ap_fail(err, AP_USAGE, "devices: a parameter of the prediction is out of range");
     if (!st)

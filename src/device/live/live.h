@@ -92,6 +92,8 @@ struct ap_live_mount {
 struct ap_live_params {
     const struct ap_live_bus *buses; // taken over, also where opening fails; NULL: the machine's
     int bus_count;
+    const char *const *ways; // the machine's buses: see ap_live_machine
+    size_t way_count;
     // "ROLE=WHICH": which is a serial, a driver's name or a path, with ":N" behind it the N-th
     // tracker (from 1). ROLE: head, left, right, table (what it flies), or any other name.
     const char *const *assign;
@@ -107,8 +109,12 @@ struct ap_live_params {
     struct ap_history_params history;
 };
 
-// Everything is copied but the listener's user. Returns before devices are found. AP_USAGE for an
-// assignment that cannot be read; AP_ENVIRONMENT.
+// What can be said of them before anything is opened; pure. AP_USAGE: an assignment that cannot be
+// read, a role that is named twice, ways as ap_live_machine has them.
+enum ap_status ap_live_check(struct ap_error *err, const struct ap_live_params *params);
+
+// Everything is copied but the listener's user. Returns before devices are found. AP_USAGE as
+// ap_live_check; AP_ENVIRONMENT.
 enum ap_status ap_live_open(struct ap_error *err, const struct ap_live_params *params,
                             struct ap_live **live);
 // What is plugged in now, without opening any of it: at most `max`, into places, drivers (NULL
@@ -116,8 +122,11 @@ enum ap_status ap_live_open(struct ap_error *err, const struct ap_live_params *p
 int ap_live_list(const struct ap_live_bus *buses, int bus_count, struct ap_live_place *places,
                  const struct ap_driver **drivers, int max);
 
-// The ways there are on this machine, into buses[AP_LIVE_BUSES_MAX]. AP_ENVIRONMENT.
-enum ap_status ap_live_machine(struct ap_error *err, struct ap_live_bus *buses, int *count);
+// The ways to this machine's devices, into buses[AP_LIVE_BUSES_MAX]: those of the names "hidraw",
+// "libusb", "hidapi"; none named: hidraw, and libusb where it is. AP_USAGE for another name, one
+// that is there twice, and hidapi beside hidraw, which stand on the same nodes; AP_ENVIRONMENT.
+enum ap_status ap_live_machine(struct ap_error *err, const char *const *ways, size_t way_count,
+                               struct ap_live_bus *buses, int *count);
 
 // Ends the threads; no callback comes afterwards. Blocks for as long as a device keeps the keeper.
 void ap_live_close(struct ap_live *live);

@@ -3,21 +3,64 @@
 
 #include "src/base/number.h"
 #include "src/device/live/set.h"
+#include "src/device/poselog_argument.h"
+
+// A number behind the only colon is a tracker's. Serial numbers and paths have several colons.
+static bool is_tracker_right(const char *which) {
+    const char *colon = strchr(which, ':');
+    int64_t number;
+    if (colon == which)
+        return false;
+    if (!colon || strchr(colon + 1, ':') || !ap_parse_int64(colon + 1, strlen(colon + 1), &number))
+        return true;
+    return number >= 1 && number <= AP_LIVE_TRACKERS_MAX;
+}
 
 enum ap_status live_assignment_read(struct ap_error *err, const char *text, bool position,
                                     struct live_assignment *out) {
-    const char *equals = strchr(text, '=');
-    size_t n = equals ? (size_t)(equals - text) : 0;
-    if (n == 0 || n >= sizeof out->role || !equals[1] || strlen(equals + 1) >= sizeof out->which)
+    size_t n = ap_role_length(text), len = strlen(text + n);
+    if (n == 0 || n > sizeof out->role || len == 0 || len >= sizeof out->which)
         return ap_fail(err, AP_USAGE,
                        "'%s': expected ROLE=WHICH, as head=/dev/hidraw0, left=joycon or "
                        "right=SERIAL (see antipode devices)",
                        text);
     struct live_assignment a = {.position = position};
-    memcpy(a.role, text, n);
-    memcpy(a.which, equals + 1, strlen(equals + 1) + 1);
+    memcpy(a.role, text, n - 1);
+    memcpy(a.which, text + n, len + 1);
+    if (!is_tracker_right(a.which))
+        return ap_fail(err, AP_USAGE,
+                       "'%s': expected a device, and its trackers are numbered from 1 to %d", text,
+                       AP_LIVE_TRACKERS_MAX);
     *out = a;
     return AP_OK;
+}
+
+// Each can be read, and no role stands there twice.
+static enum ap_status check_list(struct ap_error *err, const char *const *list, size_t count,
+                                 bool position) {
+    struct live_assignment a;
+    for (size_t i = 0; i < count; i++) {
+        enum ap_status st = live_assignment_read(err, list[i], position, &a);
+        if (st)
+            return st;
+        for (size_t k = 0; k < i; k++)
+            if (ap_role_length(list[k]) == strlen(a.role) + 1 &&
+                memcmp(list[k], a.role, strlen(a.role)) == 0)
+                return ap_fail(err, AP_USAGE,
+                               "'%s' and '%s': a role has one device%s; name one of them", list[k],
+                               list[i], position ? " that tells its place" : "");
+    }
+    return AP_OK;
+}
+
+enum ap_status ap_live_check(struct ap_error *err, const struct ap_live_params *params) {
+    enum ap_status st = live_ways_check(err, params->ways, params->way_count);
+    for (int position = 0; position < 2 && !st; position++) {
+        const char *const *list = position ? params->position : params->assign;
+        size_t count = position ? params->position_count : params->assign_count;
+        st = check_list(err, list, count, position);
+    }
+    return st;
 }
 
 static bool is_named(const struct ap_live_device *d, const char *name, size_t len) {

@@ -12,7 +12,8 @@
 #include <unistd.h>
 
 #include "src/base/clock.h"
-#include "src/device/live/io.h"
+#include "src/device/live/place.h"
+#include "src/device/live/queue.h"
 
 // HID interfaces of USB devices that the kernel gives no hidraw node: sensors that its sensor hub
 // keeps to itself (before 6.5), kernels without usbhid. Found in sysfs, for libusb's own list stays
@@ -23,11 +24,6 @@ enum { USB_BUS = 3, HID_CLASS = 3, TRANSFERS = 4, RING = 256 };
 static const unsigned CONTROL_MS = 1000;
 static const int64_t LOOK_NS = 500000000; // nothing tells when a device comes
 
-struct usb_report {
-    int64_t t_ns;
-    size_t len;
-};
-
 struct usb_device {
     struct usb_bus *bus;
     int fd, interface, tag;
@@ -37,9 +33,8 @@ struct usb_device {
     struct libusb_transfer *transfers[TRANSFERS];
     int pending; // transfers on their way
     bool gone, closing;
-    unsigned head, tail; // of the ring: written, read
-    struct usb_report reports[RING];
-    uint8_t *bytes; // RING packets, then TRANSFERS
+    struct live_queue queue;
+    uint8_t *bytes; // a packet for each transfer
     struct usb_device *next;
 };
 
@@ -105,21 +100,6 @@ static void node_path(const char *device, char *path, size_t size) {
              read_number(device, "devnum", 10));
 }
 
-static bool is_known(const struct ap_live_place *place) {
-    static _Thread_local struct ap_device_info info;
-    memset(&info, 0, sizeof info);
-    info.bus = place->bus;
-    info.vendor = place->vendor;
-    info.product = place->product;
-    for (int i = 0; i < ap_driver_count(); i++)
-        if (ap_driver_names(ap_driver_at(i), &info))
-            return true;
-    return place->descriptor_len &&
-           !ap_hid_parse_descriptor(NULL, place->descriptor, place->descriptor_len,
-                                    &info.descriptor) &&
-           ap_driver_find(&info);
-}
-
 // `interface` is a folder's name: DEVICE:CONFIGURATION.INTERFACE.
 static bool read_place(const char *interface, struct ap_live_place *place) {
     char device[64], node[64];
@@ -132,7 +112,7 @@ static bool read_place(const char *interface, struct ap_live_place *place) {
     place->vendor = (uint16_t)read_number(device, "idVendor", 16);
     place->product = (uint16_t)read_number(device, "idProduct", 16);
     place->interface_number = (int)read_number(interface, "bInterfaceNumber", 16);
-    if (look_for_hid(interface, place) || !is_known(place))
+    if (look_for_hid(interface, place) || !live_is_wanted(place))
         return false;
     snprintf(place->path, sizeof place->path, "usb:%s:%d", device, place->interface_number);
     snprintf(place->port, sizeof place->port, "%s", interface);
@@ -162,11 +142,7 @@ static void LIBUSB_CALL on_report(struct libusb_transfer *transfer) {
     int64_t now_ns = ap_clock_now_ns();
     pthread_mutex_lock(&d->bus->lock);
     if (transfer->status == LIBUSB_TRANSFER_COMPLETED && transfer->actual_length > 0) {
-        unsigned at = d->head++ % RING; // the oldest goes where nobody reads
-        d->reports[at] = (struct usb_report){now_ns, (size_t)transfer->actual_length};
-        memcpy(d->bytes + at * d->packet, transfer->buffer, d->reports[at].len);
-        if (d->head - d->tail > RING)
-            d->tail = d->head - RING;
+        live_queue_push(&d->queue, now_ns, transfer->buffer, (size_t)transfer->actual_length);
     }
     bool again = transfer->status == LIBUSB_TRANSFER_COMPLETED ||
                  transfer->status == LIBUSB_TRANSFER_ERROR ||
@@ -184,16 +160,10 @@ static enum ap_live_read read_report(void *bus, void *device, uint8_t *bytes, si
     (void)bus;
     enum ap_live_read got = AP_LIVE_READ_NOTHING;
     pthread_mutex_lock(&d->bus->lock);
-    if (d->tail != d->head) {
-        const struct usb_report *r = &d->reports[d->tail % RING];
-        *len = r->len < size ? r->len : size;
-        *t_ns = r->t_ns;
-        memcpy(bytes, d->bytes + d->tail % RING * d->packet, *len);
-        d->tail++;
+    if (live_queue_pop(&d->queue, bytes, size, len, t_ns))
         got = AP_LIVE_READ_REPORT;
-    } else if (d->gone) {
+    else if (d->gone)
         got = AP_LIVE_READ_GONE;
-    }
     pthread_mutex_unlock(&d->bus->lock);
     return got;
 }
@@ -202,7 +172,7 @@ static int collect(struct usb_bus *bus, int *tags, int max) {
     int count = 0;
     pthread_mutex_lock(&bus->lock);
     for (struct usb_device *d = bus->devices; d && count < max; d = d->next)
-        if (d->tail != d->head || (d->gone && !d->closing))
+        if (!live_queue_is_empty(&d->queue) || (d->gone && !d->closing))
             tags[count++] = d->tag;
     pthread_mutex_unlock(&bus->lock);
     return count;
@@ -250,14 +220,15 @@ static void find_endpoints(struct usb_device *d) {
 }
 
 static bool submit(struct usb_device *d) {
-    d->bytes = d->packet ? calloc(RING + TRANSFERS, d->packet) : NULL;
-    for (int i = 0; d->bytes && i < TRANSFERS; i++) {
+    d->bytes = d->packet ? calloc(TRANSFERS, d->packet) : NULL;
+    if (!d->bytes || !live_queue_init(&d->queue, RING, d->packet))
+        return false;
+    for (int i = 0; i < TRANSFERS; i++) {
         struct libusb_transfer *t = d->transfers[i] = libusb_alloc_transfer(0);
         if (!t)
             return false;
-        libusb_fill_interrupt_transfer(t, d->handle, d->in,
-                                       d->bytes + (size_t)(RING + i) * d->packet, (int)d->packet,
-                                       on_report, d, 0);
+        libusb_fill_interrupt_transfer(t, d->handle, d->in, d->bytes + (size_t)i * d->packet,
+                                       (int)d->packet, on_report, d, 0);
         pthread_mutex_lock(&d->bus->lock);
         bool sent = libusb_submit_transfer(t) == 0;
         d->pending += sent;
@@ -265,7 +236,7 @@ static bool submit(struct usb_device *d) {
         if (!sent)
             return false;
     }
-    return d->bytes != NULL;
+    return true;
 }
 
 static void unlink_device(struct usb_device *d) {
@@ -305,6 +276,7 @@ static void close_device(void *bus, void *arg) {
     }
     if (d->fd >= 0)
         close(d->fd);
+    live_queue_finish(&d->queue);
     free(d->bytes);
     free(d);
 }

@@ -27,6 +27,36 @@ grep -q '"caf?.hid#0"' stdout || fail "a path in the JSON: $(cat stdout)"
 # What cannot be.
 expect 3 'is no hidraw node' "$antipode" devices --device head=/dev/null
 expect 2 'ROLE=WHICH' "$antipode" devices --device head
+expect 2 'ROLE=WHICH' "$antipode" devices --device 'a,b=c' # it becomes a column of a CSV
+expect 2 'numbered from 1' "$antipode" devices --device head=a:0
+expect 2 'numbered from 1' "$antipode" devices --device head=a:17
+expect 2 'expected a device' "$antipode" devices --device head=:1
+expect 0 '' "$antipode" devices --device head=00:11:22:33:44:00 --replay one.hid --seconds 0.1
+for command in devices 'record x.hid' 'calibrate rest' 'sim' play; do
+	program=
+	[ "$command" != sim ] || program='-- true'
+	expect 2 "'head=A' and 'head=B'" "$antipode" $command --device head=A --device head=B $program
+	expect 2 "'head=A' and 'head=B'" "$antipode" $command --position head=A --position head=B $program
+	expect 2 "expected hidraw, libusb or hidapi" "$antipode" $command --bus nonsense $program
+	expect 2 "is there twice" "$antipode" $command --bus libusb --bus libusb $program
+	expect 2 "needs no bus" "$antipode" $command --bus libusb --replay one.hid $program
+done
+for command in 'sim --replay no-such-file -- true' 'play --replay no-such-file'; do
+	expect 3 'no-such-file: cannot open' "$antipode" $command
+done
+expect 2 'not both' "$antipode" play --no-devices --device head=A
+expect 2 'for calibrate table, not rest' "$antipode" calibrate rest --tip 0,0,0
+expect 2 'for calibrate rest, mount, table, not show' "$antipode" calibrate show --device head=A
+expect 2 'a whole number' "$antipode" calibrate rest --poses 1.5
+expect 2 'name a file' "$antipode" record -
+expect 4 'name is empty' "$antipode" record '' --replay one.hid
+mkfifo pipe && expect 4 'is no plain file' "$antipode" record pipe --force --replay one.hid
+if "$antipode" devices --bus hidapi 2>stderr; then
+	for bus in hidraw hidapi libusb; do expect 0 '' "$antipode" devices --bus $bus; done
+	expect 2 'the same devices' "$antipode" devices --bus hidraw --bus hidapi
+else
+	grep -q 'built without it' stderr || fail "--bus hidapi: $(cat stderr)"
+fi
 expect 3 'no-such-file' "$antipode" devices --replay no-such-file
 echo "E: 0.0 3 00 00" >lies.hid
 expect 3 'lies.hid:1:' "$antipode" devices --replay lies.hid
