@@ -49,6 +49,14 @@ static double lean(const struct ap_sides *s, int e, int i, double d_m) {
     return (h < 0 ? fmax(h / d_m, -1) : 0) - SLACK;
 }
 
+// Whether a cap of half angle `spread` about the unit vector u is all below asin(least) from the
+// plane of n: sin(angle of u) < sin(asin(least) − spread), where that is no full turn down.
+static bool cap_below(double along, double least, double sin_spread, double cos_spread) {
+    double rise = sqrt(1 - least * least);
+    bool possible = -least * sin_spread < rise * cos_spread; // asin(least) − spread > −90°
+    return possible && along < least * cos_spread - rise * sin_spread;
+}
+
 unsigned ap_sides_see_ball(const struct ap_sides *s, struct ap_space space, struct ap_vec4 centre,
                            double radius_m, int image) {
     double d = ap_vec3_length(ap_log_unchecked(space, centre, 0)), rho = space.rho_m;
@@ -59,16 +67,20 @@ unsigned ap_sides_see_ball(const struct ap_sides *s, struct ap_space space, stru
     double q = ap_space_sin(space, radius_m / rho) / ap_space_sin(space, d / rho);
     double spread =
         asin(fmin(q, 1)) + (s->tourist ? 2 * asin(fmin(s->eye_m / (room - radius_m), 1)) : 0);
+    if (!(spread < M_PI / 2))
+        return 3;
+    double sin_spread = s->tourist ? sin(spread) : q,
+           cos_spread = sqrt(1 - sin_spread * sin_spread);
     double sign = image ? -1 : 1;
     unsigned seen = 3;
     for (int e = 0; e < 2; e++) {
         struct ap_vec4 p = s->tourist ? ap_iso_apply(&s->eye_from_nose[e], centre) : centre;
-        struct ap_vec3 u = ap_vec3_scale(sign, ap_vec3_normalize((struct ap_vec3){p.x, p.y, p.z}));
-        for (int i = 0; i < SIDES; i++) {
-            double a = asin(fmax(-1, fmin(1, ap_vec3_dot(s->normal[e][i], u))));
-            if (a + spread < asin(lean(s, e, i, near)))
+        struct ap_vec3 x = {p.x, p.y, p.z};
+        double r = sqrt(ap_vec3_dot(x, x)), to = r > 0 ? sign / r : 0;
+        for (int i = 0; i < SIDES; i++)
+            if (cap_below(to * ap_vec3_dot(s->normal[e][i], x), lean(s, e, i, near), sin_spread,
+                          cos_spread))
                 seen &= ~(1u << e);
-        }
     }
     return seen;
 }
@@ -96,7 +108,9 @@ struct walk {
     struct ap_sides sides;
     struct way_in whole; // nothing stands before it
     struct ap_iso nose_from_base;
-    bool mirrored; // nose_from_base is
+    bool mirrored;                   // nose_from_base is
+    struct ap_iso look_from_nose[2]; // to each eye's axes; native: about the nose
+    double eye_m[2];                 // each eye's distance from the nose
     struct ap_portal *portal;
     struct ap_portal_stats stats;
     uint32_t seen, refused, hidden; // stamps of this frame
@@ -264,41 +278,49 @@ static double distance_to_plane(const struct walk *w, const struct ap_iso *cell_
     return space.rho_m * (space.kappa < 0 ? asinh(s) : space.kappa > 0 ? asin(fmin(s, 1)) : s);
 }
 
+// A cell as its windows are looked through: nothing stands in its faces without `windows`.
+struct outlook {
+    bool windows;
+    struct ap_iso cell_from_nose;
+    struct ap_iso eye_from_cell[2]; // the eye's axes about the nose (native) or itself (tourist)
+};
+
+static struct outlook outlook_of(const struct walk *w, const struct ap_seen_cell *s) {
+    struct outlook out = {.windows = true};
+    out.cell_from_nose = ap_iso_inverse(w->space, s->nose_from_cell);
+    for (int e = 0; e < 2; e++)
+        out.eye_from_cell[e] = ap_iso_mul(w->look_from_nose[e], s->nose_from_cell);
+    return out;
+}
+
 // What eye e may see beyond the window in a face. False: nothing.
 static bool look_through(const struct walk *w, const struct ap_seen_cell *s,
-                         const struct ap_iso *cell_from_nose, int f, int e,
-                         struct ap_gaze *beyond) {
-    const struct ap_view_eye *eye = &w->params->viewer->eye[e];
-    struct ap_iso to = s->nose_from_cell;
+                         const struct outlook *out, int f, int e, struct ap_gaze *beyond) {
     struct ap_vec3 corner[5];
-    double lean_rad = w->params->slack_rad + SLACK;
-    if (w->sides.tourist) {
-        to = ap_iso_mul(w->sides.eye_from_nose[e], to);
-    } else {
-        double d = fmax(s->near_m, distance_to_plane(w, cell_from_nose, f));
-        double lean = ap_vec3_length(eye->view_from_eye.p) / d;
+    double leaning = w->params->slack_rad + SLACK;
+    if (!w->sides.tourist) {
+        double d = fmax(s->near_m, distance_to_plane(w, &out->cell_from_nose, f));
+        double lean = w->eye_m[e] / d;
         if (!(lean < 0.5)) {
             *beyond = s->gaze[e];
             return true;
         }
-        lean_rad += asin(lean);
+        leaning += lean; // at least the sine of the sum of both angles
     }
     for (int k = 0; k < w->tiling->symbol.p; k++) {
-        struct ap_vec4 p = ap_iso_apply(&to, w->params->window[f].corner_m[k]);
+        struct ap_vec4 p = ap_iso_apply(&out->eye_from_cell[e], w->params->window[f].corner_m[k]);
         corner[k] = (struct ap_vec3){p.x, p.y, p.z};
-        if (!w->sides.tourist)
-            corner[k] = ap_quat_rotate(ap_quat_conj(eye->view_from_eye.q), corner[k]);
     }
-    return ap_gaze_through(&s->gaze[e], corner, w->tiling->symbol.p, lean_rad, beyond);
+    return ap_gaze_through(&s->gaze[e], corner, w->tiling->symbol.p, leaning, beyond);
 }
 
 // The way on through a face that these eyes have in view.
 static struct way_in way_through(const struct walk *w, const struct ap_seen_cell *s,
-                                 const struct ap_iso *cell_from_nose, int f, unsigned eyes) {
+                                 const struct outlook *out, int f, unsigned eyes) {
     struct way_in way = {.eyes = eyes};
     memcpy(way.gaze, s->gaze, sizeof way.gaze);
-    for (int e = 0; cell_from_nose && e < 2; e++)
-        if (eyes >> e & 1 && !look_through(w, s, cell_from_nose, f, e, &way.gaze[e]))
+    for (int e = 0; out->windows && e < 2; e++)
+        if (eyes >> e & 1 && !look_through(w, s, out, f, e, &way.gaze[e]))
             way.eyes &= ~(1u << e);
     return way;
 }
@@ -317,11 +339,11 @@ static void refuse(struct walk *w, uint32_t *stamp, bool in_view) {
 
 static void go_on(struct walk *w, size_t at) {
     struct ap_seen_cell s = w->portal->seen[at];
-    struct ap_iso cell_from_nose = ap_iso_inverse(w->space, s.nose_from_cell);
     unsigned within, seen[2];
     bool told = faces_in_view(w, &s, seen, &within);
-    // Image 1 is entered as a whole.
-    bool windows = told && w->params->window && s.image == 0;
+    struct outlook out = {.windows = false};
+    if (told && w->params->window && s.image == 0) // image 1 is entered as a whole
+        out = outlook_of(w, &s);
     w->portal->seen[at].within = within;
     w->portal->seen[at].again = false;
     for (int f = 0; f < w->tiling->face_count; f++) {
@@ -332,8 +354,7 @@ static void go_on(struct walk *w, size_t at) {
             w->stats.budget += eyes != 0;
             continue;
         }
-        struct way_in way =
-            told ? way_through(w, &s, windows ? &cell_from_nose : NULL, f, eyes) : w->whole;
+        struct way_in way = told ? way_through(w, &s, &out, f, eyes) : w->whole;
         if (way.eyes)
             visit(w, next, s.image, &way);
         else
@@ -412,8 +433,13 @@ enum ap_status ap_portal_walk(struct ap_error *err, struct ap_cells *cells,
     if (!grow_stamps(portal, 1) || !grow_seen(portal))
         return ap_fail(err, AP_ENVIRONMENT, "out of memory for the cells that are seen");
     w.whole.eyes = 3;
-    for (int e = 0; e < 2; e++)
-        w.whole.gaze[e] = ap_gaze_all(&params->viewer->eye[e].frustum);
+    for (int e = 0; e < 2; e++) {
+        const struct ap_view_eye *eye = &params->viewer->eye[e];
+        w.whole.gaze[e] = ap_gaze_all(&eye->frustum);
+        w.look_from_nose[e] = w.sides.tourist ? w.sides.eye_from_nose[e]
+                                              : ap_iso_rotate(ap_quat_conj(eye->view_from_eye.q));
+        w.eye_m[e] = ap_vec3_length(eye->view_from_eye.p);
+    }
     visit(&w, 0, 0, &w.whole);
     size_t front_count = go_on_from(&w, 0);
     if (space.kappa > 0) {

@@ -19,29 +19,33 @@ bool ap_gaze_add(struct ap_gaze *gaze, const struct ap_gaze *more) {
 }
 
 bool ap_gaze_through(const struct ap_gaze *gaze, const struct ap_vec3 *corners, int count,
-                     double lean_rad, struct ap_gaze *beyond) {
-    const double widest = 1.5, leaning = sin(fmin(lean_rad, 1.5));
-    double low[2] = {widest, widest}, high[2] = {-widest, -widest};
+                     double leaning, struct ap_gaze *beyond) {
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     *beyond = *gaze;
     for (int k = 0; k < count; k++) {
-        double r = ap_vec3_length(corners[k]), ahead = -corners[k].z;
-        if (!(ahead > 0.02 * r))
+        const struct ap_vec3 *c = &corners[k];
+        double square = ap_vec3_dot(*c, *c), ahead = -c->z;
+        double sine = leaning * sqrt(square);
+        if (!(ahead > 0) || !(ahead * ahead > 0.0004 * square))
             return true;
         for (int axis = 0; axis < 2; axis++) {
             // A plane through the eye and its other axis, at the angle A, has all directions within
-            // `leaning` of the window on one side if sin(A − angle)·across >= leaning·r at each
-            // corner: such directions are a convex cone.
-            double x = axis ? corners[k].y : corners[k].x, across = hypot(x, ahead);
-            double angle = atan2(x, ahead), more = asin(fmin(leaning * r / across, 1));
-            low[axis] = fmin(low[axis], angle - more);
-            high[axis] = fmax(high[axis], angle + more);
+            // asin(leaning) of the window on one side if sin(A − angle)·across >= leaning·r at each
+            // corner: such directions are a convex cone. Its tangent, by that of a difference:
+            double x = axis ? c->y : c->x, turned = x * x + ahead * ahead - sine * sine;
+            double cosine = sqrt(fmax(turned, 0));
+            double below = ahead * cosine + x * sine, above = ahead * cosine - x * sine;
+            low[axis] = below > 0 && turned > 0
+                            ? fmin(low[axis], (x * cosine - ahead * sine) / below)
+                            : -INFINITY;
+            high[axis] = above > 0 && turned > 0
+                             ? fmax(high[axis], (x * cosine + ahead * sine) / above)
+                             : INFINITY;
         }
     }
     for (int axis = 0; axis < 2; axis++) {
-        if (low[axis] > -widest)
-            beyond->low[axis] = fmax(gaze->low[axis], tan(low[axis]));
-        if (high[axis] < widest)
-            beyond->high[axis] = fmin(gaze->high[axis], tan(high[axis]));
+        beyond->low[axis] = fmax(gaze->low[axis], low[axis]);
+        beyond->high[axis] = fmin(gaze->high[axis], high[axis]);
         if (!(beyond->low[axis] < beyond->high[axis]))
             return false;
     }

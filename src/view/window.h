@@ -16,10 +16,10 @@ struct ap_gaze ap_gaze_all(const struct ap_frustum *frustum);
 bool ap_gaze_add(struct ap_gaze *gaze, const struct ap_gaze *more);
 
 // What of `gaze` is left beyond a convex window with these corners: directions in the eye's axes,
-// of any length, from the nose (native; the eye is seen from the window under at most lean_rad
-// from it) or from the eye itself (tourist). False: nothing. Conservative: a box about the window,
+// of any length, from the nose (native; the eye sees each of its points within the angle whose sine
+// is `leaning` of that) or from the eye itself (tourist). False: nothing. Conservative: a box about the window,
 // and all of `gaze` where a corner is not before the eye.
 bool ap_gaze_through(const struct ap_gaze *gaze, const struct ap_vec3 *corners, int count,
-                     double lean_rad, struct ap_gaze *beyond);
+                     double leaning, struct ap_gaze *beyond);
 
 #endif
