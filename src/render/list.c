@@ -8,38 +8,41 @@
 
 static const double PI = 3.14159265358979323846;
 
-enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
-                                   struct ap_draw_list *list) {
-    memset(list, 0, sizeof *list);
-    list->items = calloc(8 * part_count + 1, sizeof *list->items);
-    if (!list->items)
-        return ap_fail(err, AP_ENVIRONMENT, "no memory to draw %zu parts", part_count);
-    list->room = 8 * part_count + 1;
-    return AP_OK;
-}
-
-enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap_draw_list *list) {
-    size_t room = list->count + more + 1;
-    if (room <= list->room)
-        return AP_OK;
-    room += room / 2;
+static enum ap_status make_room(struct ap_error *err, size_t room, struct ap_draw_list *list) {
     struct ap_draw_item *items = realloc(list->items, room * sizeof *items);
-    if (!items)
+    if (items)
+        list->items = items;
+    const struct ap_draw_item **order = realloc(list->order, room * sizeof *order);
+    if (order)
+        list->order = order;
+    if (!items || !order)
         return ap_fail(err, AP_ENVIRONMENT, "no memory to draw %zu parts", room);
-    list->items = items;
     list->room = room;
     return AP_OK;
 }
 
+enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
+                                   struct ap_draw_list *list) {
+    memset(list, 0, sizeof *list);
+    return make_room(err, 8 * part_count + 1, list);
+}
+
+enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap_draw_list *list) {
+    size_t room = list->count + more + 1;
+    return room <= list->room ? AP_OK : make_room(err, room + room / 2, list);
+}
+
 void ap_draw_list_destroy(struct ap_draw_list *list) {
     free(list->items);
+    free(list->order);
     ap_mesh_data_finish(&list->refined);
     ap_refiner_finish(&list->refiner);
     memset(list, 0, sizeof *list);
 }
 
 static int compare_items(const void *left, const void *right) {
-    const struct ap_draw_item *a = left, *b = right;
+    const struct ap_draw_item *a = *(const struct ap_draw_item *const *)left,
+                              *b = *(const struct ap_draw_item *const *)right;
     if (a->pipeline != b->pipeline)
         return a->pipeline < b->pipeline ? -1 : 1;
     if (a->far_m != b->far_m)
@@ -139,7 +142,9 @@ void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,
 }
 
 void ap_draw_list_sort(struct ap_draw_list *list) {
-    qsort(list->items, list->count, sizeof *list->items, compare_items);
+    for (size_t i = 0; i < list->count; i++)
+        list->order[i] = &list->items[i];
+    qsort(list->order, list->count, sizeof *list->order, compare_items);
 }
 
 // What the bound costs: a mesh of more triangles made ahead gives way to one made for this frame,
@@ -317,9 +322,24 @@ static void write_marks(const struct ap_scene *scene, const struct ap_part *take
                  scene->mouths[i].radius_m, AP_SHADOWS_MAX + i, marks);
 }
 
+// Linear colours: the background's and those of the part at hand, of which many may follow.
+struct palette {
+    float back[3], own[3];
+    const struct ap_part *of;
+};
+
+static void take_color(const struct ap_part *part, struct palette *palette) {
+    if (palette->of == part)
+        return;
+    palette->of = part;
+    for (int i = 0; i < 3; i++)
+        palette->own[i] = ap_linear_color(part->color_srgb[i]);
+}
+
 static void write_item(const struct ap_scene *scene, const struct ap_frame_input *input,
                        const struct ap_eyes *eyes, const struct ap_draw_item *item,
-                       struct ap_vec4 lamp_nose, struct ap_gpu_draw *draw) {
+                       const struct palette *palette, struct ap_vec4 lamp_nose,
+                       struct ap_gpu_draw *draw) {
     const struct ap_viewer *viewer = &input->viewer;
     struct ap_space space = viewer->space;
     const struct ap_part *part = &scene->parts[item->part];
@@ -336,8 +356,7 @@ static void write_item(const struct ap_scene *scene, const struct ap_frame_input
     ap_store_point(space, lamp, draw->lamp);
     ap_store_point(space, ap_iso_apply(&part_from_nose, nose), draw->nose);
     for (int i = 0; i < 3; i++) {
-        float own = ap_linear_color(part->color_srgb[i]);
-        float back = ap_linear_color(scene->background_srgb[i]);
+        float own = palette->own[i], back = palette->back[i];
         draw->color[i] = item->brightness < 1 ? back + item->brightness * (own - back) : own;
     }
     draw->color[3] = part->lit ? 1 : 0;
@@ -355,10 +374,14 @@ void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_inpu
                         struct ap_gpu_draw *draws, struct ap_gpu_marks *marks) {
     struct ap_vec4 lamp = ap_nose_from_world(&input->viewer, scene->lamp).x;
     const struct ap_part *taker = NULL;
+    struct palette palette = {.of = NULL};
     memset(marks, 0, sizeof *marks);
+    for (int i = 0; i < 3; i++)
+        palette.back[i] = ap_linear_color(scene->background_srgb[i]);
     for (size_t i = 0; i < list->count; i++) {
-        const struct ap_part *part = &scene->parts[list->items[i].part];
-        write_item(scene, input, eyes, &list->items[i], lamp, &draws[i]);
+        const struct ap_part *part = &scene->parts[list->order[i]->part];
+        take_color(part, &palette);
+        write_item(scene, input, eyes, list->order[i], &palette, lamp, &draws[i]);
         float *finish = draws[i].finish;
         finish[0] = part->lit && !input->plain ? (float)part->finish : 0;
         finish[1] = (float)(part->decal - 1);

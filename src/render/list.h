@@ -23,7 +23,8 @@ struct ap_draw_item {
 };
 
 struct ap_draw_list {
-    struct ap_draw_item *items; // 8·part_count, and what is reserved
+    struct ap_draw_item *items;        // 8·part_count, and what is reserved
+    const struct ap_draw_item **order; // as they are drawn: after ap_draw_list_sort
     size_t count, room;
     struct ap_depth_range range;
     struct ap_frame_stats stats;
@@ -63,8 +64,8 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
 // Adds one part in one image, seen at distances near_m…far_m, if an eye sees it; counts it if not.
 void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,
                       const struct ap_draw_item *item, double near_m, double far_m);
-// So that equal meshes follow one another, after the last one has been added; the order depends on
-// the input only.
+// Fills `order`, so that equal meshes follow one another, after the last one has been added; it
+// depends on the input only.
 void ap_draw_list_sort(struct ap_draw_list *list);
 
 // Writes what the shaders need of each item, and the marks of the surface that takes them.

@@ -363,20 +363,23 @@ static void bind_meshes(const struct ap_renderer *r, const struct slot *slot, bo
                          VK_INDEX_TYPE_UINT32);
 }
 
+static bool goes_with(const struct ap_draw_item *item, const struct ap_draw_item *next) {
+    return next->mesh.first_index == item->mesh.first_index && next->refined == item->refined &&
+           next->pipeline == item->pipeline;
+}
+
 // Runs of equal meshes become one instanced draw.
 static void record_draws(const struct ap_renderer *r, const struct ap_pass *pass,
                          const struct slot *slot, unsigned eyes) {
     VkCommandBuffer cmd = slot->cmd;
     int bound = -1, buffers = -1;
     for (size_t i = 0, next; i < r->list.count; i = next) {
-        const struct ap_draw_item *item = &r->list.items[i], *other = item + 1;
+        const struct ap_draw_item *item = r->list.order[i];
         next = i + 1;
         if (!(item->eyes & eyes))
             continue;
-        for (; next < r->list.count && other->mesh.first_index == item->mesh.first_index &&
-               other->refined == item->refined && other->pipeline == item->pipeline &&
-               (other->eyes & eyes);
-             other++)
+        while (next < r->list.count && goes_with(item, r->list.order[next]) &&
+               (r->list.order[next]->eyes & eyes))
             next++;
         if (bound != (int)item->pipeline)
             vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, pass->pipeline[item->pipeline]);
