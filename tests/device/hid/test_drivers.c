@@ -216,14 +216,14 @@ static void test_slimevr(void **unused) {
     snprintf(twice, sizeof twice, "00 07 00 00 00 00 00 00 00 00 00 00 00 00 00 00 %s", turned);
     assert_int_equal(feed(driver, 0, twice), AP_REPORT_OK);
     assert_true(samples.at[0].has_battery && samples.at[0].battery == 0.7f);
-    // Packed: v = (0, 0, sqrt(1/2)) is half of pi about z.
+    // Packed: v = (0, 0, 1/2) is half of pi about z.
     struct ap_slimevr_packet p;
     uint8_t packed[16] = {7, 2, 2};
-    uint32_t bits = 512u | 1024u << 10 | 1748u << 21;
+    uint32_t bits = 512u | 1024u << 10 | 1536u << 21;
     for (int i = 0; i < 4; i++)
         packed[5 + i] = (uint8_t)(bits >> 8 * i);
     assert_true(ap_slimevr_parse(packed, &p));
-    check_quat(p.q, 0, 0, HALF, HALF, 1e-3);
+    check_quat(p.q, 0, 0, HALF, HALF, 1e-12);
     assert_true(p.has_buttons && p.buttons == 2);
     // Not a rotation, a report of half a packet, one of nothing.
     assert_int_equal(feed(driver, 0, "01 07 00 00 00 00 00 00 00 00 00 00 00 00 00 00"),
@@ -234,14 +234,17 @@ static void test_slimevr(void **unused) {
                      AP_REPORT_OK);
 }
 
-// The packed rotations against the formula's inverse, all over.
+// The packed rotations against what the trackers' firmware packs, all over: the quaternion's vector
+// part, its length made 2/pi times half the angle, x in 10 bits, y and z in 11.
 static void test_slimevr_packed(void **unused) {
     (void)unused;
     double worst = 0;
     for (int i = 0; i < 4000; i++) {
         double angle = 3.1 * (i % 101) / 101, a = i * 0.37, b = i * 0.11;
         struct ap_vec3 axis = {cos(a) * cos(b), sin(a) * cos(b), sin(b)};
-        double r = sqrt(angle / 3.14159265358979323846);
+        struct ap_quat want = ap_quat_from_axis_angle(axis, angle);
+        double sine = sqrt(1 - want.w * want.w);
+        double r = angle > 0 ? 0.63661977236758134308 * atan2(sine, want.w) : 0;
         uint32_t bits = (uint32_t)(lrint((axis.x * r + 1) * 512) & 0x3ff) |
                         (uint32_t)(lrint((axis.y * r + 1) * 1024) & 0x7ff) << 10 |
                         (uint32_t)(lrint((axis.z * r + 1) * 1024) & 0x7ff) << 21;
@@ -250,7 +253,6 @@ static void test_slimevr_packed(void **unused) {
             packet[5 + k] = (uint8_t)(bits >> 8 * k);
         struct ap_slimevr_packet p;
         assert_true(ap_slimevr_parse(packet, &p));
-        struct ap_quat want = ap_quat_from_axis_angle(axis, angle);
         double c = fabs(p.q.x * want.x + p.q.y * want.y + p.q.z * want.z + p.q.w * want.w);
         worst = fmax(worst, 2 * acos(fmin(1, c)) * 57.295779513);
     }

@@ -14,7 +14,8 @@ static bool read_q15(const uint8_t *b, struct ap_quat *q) {
     return ap_quat_make_unit(q);
 }
 
-// Three numbers of 10, 11 and 11 bits: v with |v|² = angle/π, along the axis.
+// Three numbers of 10, 11 and 11 bits: v along the axis, |v| = angle/π (the exponential map of half
+// the angle, scaled to a ball of radius 1).
 static bool read_packed(const uint8_t *b, struct ap_quat *q) {
     uint32_t bits = ap_u32le(b);
     struct ap_vec3 v = {2.0 * (bits & 0x3ff) / 1024 - 1, 2.0 * (bits >> 10 & 0x7ff) / 2048 - 1,
@@ -26,14 +27,15 @@ static bool read_packed(const uint8_t *b, struct ap_quat *q) {
         *q = AP_QUAT_IDENTITY;
         return true;
     }
-    double half = 1.57079632679489661923 * square, s = sin(half) / sqrt(square);
+    double length = sqrt(square), half = 1.57079632679489661923 * length, s = sin(half) / length;
     *q = (struct ap_quat){s * v.x, s * v.y, s * v.z, cos(half)};
     return ap_quat_make_unit(q);
 }
 
-// Percent (128: not known) and, behind it, the voltage, which is 0 only in padding.
+// Percent (0: not now, as while it charges; 128: not known) and, behind it, the voltage, which is 0
+// only in padding.
 static void read_battery(const uint8_t *b, struct ap_slimevr_packet *packet) {
-    packet->has_battery = b[0] != 128 && b[1] != 0;
+    packet->has_battery = (b[0] & 127) != 0 && b[1] != 0;
     packet->battery_percent = (b[0] & 127) > 100 ? 100 : b[0] & 127;
 }
 
