@@ -10,7 +10,7 @@ static const struct ap_command *const commands[] = {
     &ap_command_simulate, &ap_command_eval,      &ap_command_track,   &ap_command_walk,
     &ap_command_replay,   &ap_command_vergence,  &ap_command_page,    &ap_command_compare,
     &ap_command_play,     &ap_command_calibrate, &ap_command_devices, &ap_command_record,
-    &ap_command_sim,      &ap_command_doctor,
+    &ap_command_sim,      &ap_command_doctor,    &ap_command_bench,
 };
 
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };

@@ -26,3 +26,23 @@ bool ap_exact_on_plane(struct ap_space space, const struct ap_iso *part_from_nos
     *tangent_m = ap_vec3_scale(t * rho, u);
     return isfinite(t) && t > 0;
 }
+
+static double to_segment(const double q[2], const double a[2], const double b[2]) {
+    double d[2] = {b[0] - a[0], b[1] - a[1]}, o[2] = {q[0] - a[0], q[1] - a[1]};
+    double square = d[0] * d[0] + d[1] * d[1];
+    double t = square > 0 ? fmin(fmax((d[0] * o[0] + d[1] * o[1]) / square, 0), 1) : 0;
+    return hypot(o[0] - t * d[0], o[1] - t * d[1]);
+}
+
+double ap_exact_outside(const double q[2], const double a[2], const double b[2],
+                        const double c[2]) {
+    const double *corner[4] = {a, b, c, a};
+    double least = INFINITY, area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    bool in = true;
+    for (int k = 0; k < 3; k++) {
+        const double *p = corner[k], *n = corner[k + 1];
+        in = in && (n[0] - p[0]) * (q[1] - p[1]) - (n[1] - p[1]) * (q[0] - p[0]) <= 0;
+        least = fmin(least, to_segment(q, p, n));
+    }
+    return area >= 0 ? INFINITY : in ? 0 : least;
+}

@@ -19,4 +19,8 @@ bool ap_exact_pixel(const struct ap_viewer *viewer, const uint32_t size_px[2], i
 bool ap_exact_on_plane(struct ap_space space, const struct ap_iso *part_from_nose, struct ap_vec3 u,
                        double d_flat_m, struct ap_vec3 *tangent_m);
 
+// How many pixels q lies outside a triangle of the picture, 0 in it; INFINITY where the triangle is
+// seen from its back (corners are counterclockwise on its front, to whom y goes upward).
+double ap_exact_outside(const double q[2], const double a[2], const double b[2], const double c[2]);
+
 #endif

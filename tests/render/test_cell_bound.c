@@ -128,27 +128,6 @@ static void between(const struct look *l, double p[3][4], const double s[3], dou
     out[3] = cr;
 }
 
-static double to_segment(const double q[2], const double a[2], const double b[2]) {
-    double d[2] = {b[0] - a[0], b[1] - a[1]}, e[2] = {q[0] - a[0], q[1] - a[1]};
-    double square = d[0] * d[0] + d[1] * d[1];
-    double t = square > 0 ? fmin(fmax((d[0] * e[0] + d[1] * e[1]) / square, 0), 1) : 0;
-    return hypot(e[0] - t * d[0], e[1] - t * d[1]);
-}
-
-// How far q lies outside a triangle that is seen from its front, counterclockwise with y upward.
-static double outside(const double q[2], double c[3][2]) {
-    double least = INFINITY;
-    bool in = true;
-    for (int k = 0; k < 3; k++) {
-        const double *a = c[k], *b = c[(k + 1) % 3];
-        in = in && (b[0] - a[0]) * (q[1] - a[1]) - (b[1] - a[1]) * (q[0] - a[0]) <= 0;
-        least = fmin(least, to_segment(q, a, b));
-    }
-    double area =
-        (c[1][0] - c[0][0]) * (c[2][1] - c[0][1]) - (c[1][1] - c[0][1]) * (c[2][0] - c[0][0]);
-    return area >= 0 ? INFINITY : in ? 0 : least;
-}
-
 static bool before_eye(const struct look *l, int e, struct ap_vec3 at) {
     return ap_eye_from_tangent(&l->viewer->eye[e], (struct ap_tangent_point){at}).x.z < 0;
 }
@@ -163,7 +142,7 @@ static double to_triangle(const struct look *l, int e, uint32_t t, const double 
             return INFINITY;
         ap_exact_pixel(l->viewer, SIZE_PX, e, c, corner[k]);
     }
-    return outside(q, corner);
+    return ap_exact_outside(q, corner[0], corner[1], corner[2]);
 }
 
 // −1: not seen. A round surface's point may well be shown by a neighbour of its own triangle.
