@@ -93,6 +93,7 @@ struct ap_driver_step {
     uint8_t bytes[AP_DRIVER_STEP_BYTES];
     uint32_t wait_ms;   // afterwards
     uint32_t repeat_ms; // not 0: again and again (keep-alive)
+    bool if_silent;     // again only where no interface of the device has given a pose for so long
 };
 
 struct ap_driver_ids {

@@ -225,6 +225,37 @@ static void begin_reading(struct live_slot *slot) {
     pthread_mutex_unlock(&slot->bus->lock);
 }
 
+// Two interfaces of one device: plugged in at the same place, but for what stands behind the last
+// '/' (of HID_PHYS) or ':' (of sysfs).
+static bool is_same_plug(const char *a, const char *b) {
+    size_t n = strlen(a);
+    while (n > 0 && a[n - 1] != '/' && a[n - 1] != ':')
+        n--;
+    return n > 0 ? strncmp(a, b, n) == 0 : strcmp(a, b) == 0;
+}
+
+static bool is_silent(struct live_slot *slot, int64_t since_ns) {
+    struct ap_live *live = slot->live;
+    bool is_silent = true;
+    pthread_mutex_lock(&slot->bus->lock);
+    for (int i = 0, count = live_slot_count(live); i < count; i++) {
+        const struct live_slot *s = live->slots[i];
+        if (s->bus == slot->bus && s->about.driver == slot->about.driver &&
+            is_same_plug(slot->about.place.port, s->about.place.port))
+            is_silent &= s->about.newest_ns < since_ns;
+    }
+    pthread_mutex_unlock(&slot->bus->lock);
+    return is_silent;
+}
+
+static void repeat_step(struct live_slot *slot, int i) {
+    const struct ap_driver_step *step = &slot->steps[i];
+    int64_t every_ns = step->repeat_ms * MS;
+    if (!step->if_silent || is_silent(slot, now_of(slot->bus) - every_ns))
+        take_step(slot, step);
+    slot->due_ns[i] = now_of(slot->bus) + every_ns;
+}
+
 // Does what is due; when the next is. What only asks goes before the driver begins: it has the
 // calibration that the driver begins with.
 static int64_t take_steps(struct live_slot *slot) {
@@ -247,10 +278,8 @@ static int64_t take_steps(struct live_slot *slot) {
     int starting = AP_LIVE_STARTING; // unless the reader has found it gone
     atomic_compare_exchange_strong(&slot->state, &starting, AP_LIVE_RUNNING);
     for (int i = 0; i < slot->step_count; i++) {
-        if (slot->due_ns[i] <= now_of(slot->bus)) {
-            take_step(slot, &slot->steps[i]);
-            slot->due_ns[i] = now_of(slot->bus) + slot->steps[i].repeat_ms * MS;
-        }
+        if (slot->due_ns[i] <= now_of(slot->bus))
+            repeat_step(slot, i);
         if (slot->due_ns[i] < next_ns)
             next_ns = slot->due_ns[i];
     }

@@ -617,6 +617,13 @@ static void test_hydra(void **state) {
         assert_int_equal(sent->len, 91);
         const uint8_t motion[91] = {[6] = 1, [8] = 4, [9] = 3, [89] = 6};
         assert_memory_equal(sent->bytes, motion, 91);
+        step(&w, 4980 * MS); // it may not have taken
+        settle(&w);
+        assert_int_equal(w.fake->devices[d[1]].sent_count, 1);
+        step(&w, 40 * MS);
+        settle(&w);
+        assert_int_equal(w.fake->devices[d[1]].sent_count, 2);
+        assert_memory_equal(w.fake->devices[d[1]].sent[1].bytes, motion, 91);
         uint8_t report[52] = {0};
         put16(report + 8, 100 * round); // millimetres to the right
         put16(report + 14, 32767);      // upright
@@ -630,6 +637,9 @@ static void test_hydra(void **state) {
         expect_near("x", a.pose.p.x, 0.1 * round, 1e-9);
         expect_state(&w, AP_LIVE_RIGHT, AP_POSE_EXACT);
         assert_int_equal(device_at(&w, 1).bad, 0);
+        step(&w, 4995 * MS); // one that says where it is need not be told
+        settle(&w);
+        assert_int_equal(w.fake->devices[d[1]].sent_count, 2);
         fake_unplug(w.fake, d[0]);
         fake_unplug(w.fake, d[1]);
         settle(&w);

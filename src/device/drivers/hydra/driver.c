@@ -4,6 +4,7 @@
 static const struct ap_vec3 BASE_M = {0, 0.8, -0.5};
 
 enum { REPORTS = 0, COMMANDS = 1 }; // interfaces
+enum { RETRY_MS = 5000 };
 
 static const struct ap_driver_ids ids[] = {
     {.vendor = 0x1532, .first_product = 0x0300, .last_product = 0x0300},
@@ -19,17 +20,19 @@ static bool is_interface(const struct ap_device_info *info, int number) {
     return !info->interface_known || info->interface_number == number;
 }
 
-// From mouse to motion mode; the answer must be fetched.
+// From mouse to motion mode; the answer must be fetched. It does not always take.
 static int start(const struct ap_device_info *info,
                  struct ap_driver_step steps[AP_DRIVER_STEPS_MAX]) {
     if (!is_interface(info, COMMANDS))
         return 0;
-    steps[0] = (struct ap_driver_step){.kind = AP_STEP_SET_FEATURE, .len = 91};
+    steps[0] = (struct ap_driver_step){
+        .kind = AP_STEP_SET_FEATURE, .len = 91, .repeat_ms = RETRY_MS, .if_silent = true};
     steps[0].bytes[6] = 1;
     steps[0].bytes[8] = 4;
     steps[0].bytes[9] = 3;
     steps[0].bytes[89] = 6;
-    steps[1] = (struct ap_driver_step){.kind = AP_STEP_GET_FEATURE, .len = 91};
+    steps[1] = (struct ap_driver_step){
+        .kind = AP_STEP_GET_FEATURE, .len = 91, .repeat_ms = RETRY_MS, .if_silent = true};
     return 2;
 }
 
