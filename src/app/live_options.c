@@ -164,6 +164,7 @@ static void on_signal(int sig) {
 void ap_catch_end(void) {
     signal(SIGINT, on_signal);
     signal(SIGTERM, on_signal);
+    signal(SIGHUP, on_signal); // the terminal is closed
 }
 
 bool ap_end_asked(void) {

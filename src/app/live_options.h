@@ -44,7 +44,7 @@ json_t *ap_live_options_json(const struct ap_live_options *options, bool stats);
 // said on standard error.
 bool ap_live_is_plugged(const struct ap_live_options *options);
 
-// From now on Ctrl-C and SIGTERM only set this.
+// From now on Ctrl-C, SIGTERM and SIGHUP only set this.
 void ap_catch_end(void);
 bool ap_end_asked(void);
 

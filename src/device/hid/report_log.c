@@ -29,7 +29,7 @@ struct ap_report_log {
     bool invert;
     struct ap_hid_line line;
     int64_t last_t_ns;
-    int64_t report_count;
+    int64_t report_count, pose_count;
     int name_count;
     char names[NAMES_MAX][NAME_MAX_BYTES];
     struct ap_driver_samples samples; // of the newest report
@@ -252,6 +252,7 @@ bool ap_report_log_take(struct ap_report_log *log, struct ap_row *row) {
         const char *name = name_of(log, d, s->tracker);
         if (!name)
             continue;
+        log->pose_count++;
         d->has_flown = true;
         d->last_flight_ns = log->line.t_ns;
         struct ap_field device = {name, strlen(name)};
@@ -283,8 +284,14 @@ enum ap_status ap_report_log_check_end(struct ap_error *err, const struct ap_rep
         return ap_fail(err, AP_INPUT, "%s: no report in this HID recording", file);
     const struct ap_device_info *info = &log->first.info;
     for (int i = 0; i < log->device_count; i++) {
-        if (log->devices[i]->driver)
+        const struct ap_driver *driver = log->devices[i]->driver;
+        if (driver && log->pose_count)
             return AP_OK;
+        if (driver)
+            return ap_fail(err, AP_INPUT,
+                           "%s: none of %" PRId64 " reports says where a tracker is (%s, driver "
+                           "%s): is it switched on, and are these its reports?",
+                           file, log->report_count, log->devices[i]->info.name, driver->name);
         if (log->devices[i]->sought)
             info = &log->devices[i]->info;
     }

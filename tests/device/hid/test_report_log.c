@@ -146,6 +146,9 @@ static void test_bad_lines(void **unused) {
     check_rows("", "# F: 2 00\n0 0 0 0 0 0 0 1\n", "0 head 0.00 0.00 0.00 0.00 1.00;");
     check_error("", "N: A thing\nI: 3 1234 5678\nE: 0 1 00\n",
                 "FILE: no driver for 'A thing' (bus 3, 1234:5678); there is one for: android");
+    check_error("", SENSOR "N: A sensor\nE: 0 2 01 02\n", "a report of 8 bytes");
+    check_error("", "N: A stick\nI: 5 057e 2006\nE: 0 2 3f 00\nE: 1 2 3f 00\n",
+                "FILE: none of 2 reports says where a tracker is (A stick, driver joycon)");
     read_text("", "# F: 2 00\n" SENSOR "E: 1" AHEAD "E: 0" AHEAD "E: 2 1 00\nE: 3" AHEAD "zap\n",
               true);
     assert_string_equal(error, "");
