@@ -14,6 +14,7 @@
 #include "src/base/clock.h"
 #include "src/device/live/place.h"
 #include "src/device/live/queue.h"
+#include "src/device/live/usb_descriptor.h"
 
 // HID interfaces of USB devices that the kernel gives no hidraw node: sensors that its sensor hub
 // keeps to itself (before 6.5), kernels without usbhid. Found in sysfs, for libusb's own list stays
@@ -44,6 +45,7 @@ struct usb_bus {
     libusb_context *context;
     pthread_mutex_t lock;
     struct usb_device *devices;
+    struct ap_usb_descriptors *descriptors;
     int rouse;
 };
 
@@ -100,8 +102,25 @@ static void node_path(const char *device, char *path, size_t size) {
              read_number(device, "devnum", 10));
 }
 
+// What no driver of ours knows by its ids is asked for its descriptor, if the kernel leaves it
+// alone.
+static bool is_wanted(struct usb_bus *bus, const char *interface, const char *node,
+                      struct ap_live_place *place) {
+    char driver[PATH_MAX];
+    if (place->descriptor_len || live_is_wanted(place))
+        return live_is_wanted(place);
+    snprintf(driver, sizeof driver, "%s/%s/driver", DEVICES, interface);
+    const struct ap_usb_place asked = {.folder = interface,
+                                       .node = node,
+                                       .interface = place->interface_number,
+                                       .is_taken = access(driver, F_OK) == 0};
+    place->descriptor_len =
+        ap_usb_descriptor(bus->descriptors, &asked, place->descriptor, sizeof place->descriptor);
+    return place->descriptor_len && live_is_wanted(place);
+}
+
 // `interface` is a folder's name: DEVICE:CONFIGURATION.INTERFACE.
-static bool read_place(const char *interface, struct ap_live_place *place) {
+static bool read_place(struct usb_bus *bus, const char *interface, struct ap_live_place *place) {
     char device[64], node[64];
     memset(place, 0, sizeof *place);
     if (read_number(interface, "bInterfaceClass", 16) != HID_CLASS || strlen(interface) > 60)
@@ -112,23 +131,22 @@ static bool read_place(const char *interface, struct ap_live_place *place) {
     place->vendor = (uint16_t)read_number(device, "idVendor", 16);
     place->product = (uint16_t)read_number(device, "idProduct", 16);
     place->interface_number = (int)read_number(interface, "bInterfaceNumber", 16);
-    if (look_for_hid(interface, place) || !live_is_wanted(place))
+    node_path(device, node, sizeof node);
+    if (look_for_hid(interface, place) || !is_wanted(bus, interface, node, place))
         return false;
     snprintf(place->path, sizeof place->path, "usb:%s:%d", device, place->interface_number);
     snprintf(place->port, sizeof place->port, "%s", interface);
     read_attribute(device, "serial", place->serial, sizeof place->serial);
     read_attribute(device, "product", place->name, sizeof place->name);
-    node_path(device, node, sizeof node);
     place->denied = access(node, R_OK | W_OK) != 0;
     return true;
 }
 
 static int list(void *bus, struct ap_live_place *places, int max) {
-    (void)bus;
     int count = 0;
     DIR *dir = opendir(DEVICES);
     for (struct dirent *e; dir && count < max && (e = readdir(dir));)
-        if (strchr(e->d_name, ':') && read_place(e->d_name, &places[count]))
+        if (strchr(e->d_name, ':') && read_place(bus, e->d_name, &places[count]))
             count++;
     if (dir)
         closedir(dir);
@@ -403,6 +421,7 @@ static void destroy(void *arg) {
         libusb_exit(bus->context);
     if (bus->rouse >= 0)
         close(bus->rouse);
+    ap_usb_descriptors_destroy(bus->descriptors);
     pthread_mutex_destroy(&bus->lock);
     free(bus);
 }
@@ -432,7 +451,8 @@ enum ap_status ap_live_usb(struct ap_error *err, struct ap_live_bus *out) {
     pthread_mutex_init(&bus->lock, NULL);
     bus->rouse = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     libusb_set_option(NULL, LIBUSB_OPTION_NO_DEVICE_DISCOVERY);
-    int r = bus->rouse < 0 ? LIBUSB_ERROR_NO_MEM : libusb_init(&bus->context);
+    bus->descriptors = ap_usb_descriptors_create();
+    int r = bus->rouse < 0 || !bus->descriptors ? LIBUSB_ERROR_NO_MEM : libusb_init(&bus->context);
     if (r) {
         destroy(bus);
         return ap_fail(err, AP_ENVIRONMENT, "devices: libusb: %s", libusb_strerror(r));
