@@ -3,12 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define XR_USE_TIMESPEC
-#include <time.h>
-
-#include <openxr/openxr.h>
-#include <openxr/openxr_platform.h>
-
+#include "tests/vm/headset.h"
 #include "tests/vm/player.h"
 
 // An OpenXR program as somebody else would write it, without graphics (XR_MND_headless), through
@@ -33,75 +28,11 @@ struct located {
 };
 
 struct client {
-    XrInstance instance;
-    XrSession session;
-    XrSpace view, stage;
-    PFN_xrConvertTimespecTimeToTimeKHR to_time;
+    struct headset headset;
     struct located *located;
     int64_t count, backwards, aside, frames, longest_ns;
     const char *state;
 };
-
-static void need(XrResult result, const char *what) {
-    if (XR_FAILED(result))
-        player_die("%s: %d", what, (int)result);
-}
-
-static void open_client(struct client *c) {
-    const char *extensions[] = {"XR_MND_headless", XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME};
-    const XrInstanceCreateInfo info = {
-        .type = XR_TYPE_INSTANCE_CREATE_INFO,
-        .applicationInfo = {.applicationName = "vm", .apiVersion = XR_MAKE_VERSION(1, 0, 0)},
-        .enabledExtensionCount = 2,
-        .enabledExtensionNames = extensions};
-    XrSystemGetInfo get = {.type = XR_TYPE_SYSTEM_GET_INFO,
-                           .formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY};
-    XrSessionCreateInfo session = {.type = XR_TYPE_SESSION_CREATE_INFO};
-    need(xrCreateInstance(&info, &c->instance), "xrCreateInstance");
-    need(xrGetSystem(c->instance, &get, &session.systemId), "xrGetSystem");
-    need(xrCreateSession(c->instance, &session, &c->session), "xrCreateSession");
-    need(xrGetInstanceProcAddr(c->instance, "xrConvertTimespecTimeToTimeKHR",
-                               (PFN_xrVoidFunction *)&c->to_time),
-         "xrConvertTimespecTimeToTimeKHR");
-    XrReferenceSpaceCreateInfo space = {.type = XR_TYPE_REFERENCE_SPACE_CREATE_INFO,
-                                        .poseInReferenceSpace.orientation.w = 1};
-    space.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_VIEW;
-    need(xrCreateReferenceSpace(c->session, &space, &c->view), "VIEW");
-    space.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_STAGE;
-    need(xrCreateReferenceSpace(c->session, &space, &c->stage), "STAGE");
-}
-
-static void begin(struct client *c) {
-    XrEventDataBuffer event = {.type = XR_TYPE_EVENT_DATA_BUFFER};
-    for (int64_t end = player_now_ns() + 5000 * MS; player_now_ns() < end;) {
-        const XrEventDataSessionStateChanged *changed = (const void *)&event;
-        event.type = XR_TYPE_EVENT_DATA_BUFFER;
-        if (xrPollEvent(c->instance, &event) == XR_EVENT_UNAVAILABLE)
-            nanosleep(&(struct timespec){.tv_nsec = MS}, NULL);
-        else if (event.type == XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED &&
-                 changed->state == XR_SESSION_STATE_READY) {
-            const XrSessionBeginInfo info = {.type = XR_TYPE_SESSION_BEGIN_INFO,
-                                             .primaryViewConfigurationType =
-                                                 XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO};
-            need(xrBeginSession(c->session, &info), "xrBeginSession");
-            return;
-        }
-    }
-    player_die("the session does not become ready");
-}
-
-static XrTime time_of(const struct client *c, int64_t t_ns) {
-    const struct timespec ts = {.tv_sec = t_ns / 1000000000, .tv_nsec = t_ns % 1000000000};
-    XrTime time;
-    need(c->to_time(c->instance, &ts, &time), "xrConvertTimespecTimeToTimeKHR");
-    return time;
-}
-
-static XrSpaceLocation locate(const struct client *c, XrTime time) {
-    XrSpaceLocation at = {.type = XR_TYPE_SPACE_LOCATION};
-    need(xrLocateSpace(c->view, c->stage, time, &at), "xrLocateSpace");
-    return at;
-}
 
 static bool note_state(struct client *c, const XrSpaceLocation *at) {
     bool tracked = at->locationFlags & XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT;
@@ -117,7 +48,8 @@ static double wrapped(double rad) {
 }
 
 static void note_past(struct client *c, int64_t t_ns) {
-    XrSpaceLocation at = locate(c, time_of(c, t_ns));
+    XrSpaceLocation at =
+        headset_locate(&c->headset, c->headset.view, headset_time(&c->headset, t_ns));
     XrQuaternionf q = at.pose.orientation;
     bool tracked = at.locationFlags & XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT;
     if (!tracked || c->count == MAX)
@@ -136,7 +68,8 @@ static void follow(struct client *c, double seconds) {
          next += ASKED * MS + 10000) { // at every phase of a report
         while ((now = player_now_ns()) < next)
             nanosleep(&(struct timespec){.tv_nsec = next - now}, NULL);
-        XrSpaceLocation at = locate(c, time_of(c, now));
+        XrSpaceLocation at =
+            headset_locate(&c->headset, c->headset.view, headset_time(&c->headset, now));
         if (note_state(c, &at))
             for (int i = ASKED; i-- > 0;)
                 note_past(c, next - BACK_NS - i * MS);
@@ -147,14 +80,15 @@ static void run_frames(struct client *c, double seconds) {
     int64_t end = player_now_ns() + (int64_t)(seconds * 1e9), before = player_now_ns();
     while (!player_stop && player_now_ns() < end) {
         XrFrameState frame = {.type = XR_TYPE_FRAME_STATE};
-        need(xrWaitFrame(c->session, NULL, &frame), "xrWaitFrame");
-        need(xrBeginFrame(c->session, NULL), "xrBeginFrame");
-        XrSpaceLocation at = locate(c, frame.predictedDisplayTime);
+        headset_need(xrWaitFrame(c->headset.session, NULL, &frame), "xrWaitFrame");
+        headset_need(xrBeginFrame(c->headset.session, NULL), "xrBeginFrame");
+        XrSpaceLocation at =
+            headset_locate(&c->headset, c->headset.view, frame.predictedDisplayTime);
         note_state(c, &at);
         const XrFrameEndInfo info = {.type = XR_TYPE_FRAME_END_INFO,
                                      .displayTime = frame.predictedDisplayTime,
                                      .environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE};
-        need(xrEndFrame(c->session, &info), "xrEndFrame");
+        headset_need(xrEndFrame(c->headset.session, &info), "xrEndFrame");
         int64_t now = player_now_ns(), over = now - before - frame.predictedDisplayPeriod;
         if (c->frames++ > 2 && over > c->longest_ns)
             c->longest_ns = over;
@@ -206,15 +140,14 @@ int main(int argc, char **argv) {
         player_die("see headset_client.c for the arguments");
     setvbuf(stdout, NULL, _IOLBF, 0);
     sigaction(SIGTERM, &(struct sigaction){.sa_handler = on_signal}, NULL);
-    open_client(&c);
-    begin(&c);
+    headset_open(&c.headset);
+    headset_begin(&c.headset);
     printf("ready\n");
     if (argc > 3)
         run_frames(&c, atof(argv[1]));
     else
         follow(&c, atof(argv[1]));
-    xrDestroySession(c.session);
-    xrDestroyInstance(c.instance);
+    headset_close(&c.headset);
     if (argc > 3)
         printf("frames %" PRId64 " longest %.0f us\n", c.frames, (double)c.longest_ns / 1e3);
     else

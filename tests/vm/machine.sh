@@ -45,7 +45,7 @@ add() {
 modules='uhid hid-generic usbhid vhci-hcd'
 cat >"$root/environment" <<-END # of long measurements
 	export VM_SECONDS=${ANTIPODE_VM_SECONDS:-} VM_UNPLUG_SECONDS=${ANTIPODE_VM_UNPLUG_SECONDS:-}
-	export VM_LIMIT=$((300 + 2 * ${ANTIPODE_VM_SECONDS:-0} + ${ANTIPODE_VM_UNPLUG_SECONDS:-0}))
+	export VM_FILES=${ANTIPODE_VM_FILES:-} VM_LIMIT=$((900 + 2 * ${ANTIPODE_VM_SECONDS:-0} + ${ANTIPODE_VM_UNPLUG_SECONDS:-0}))
 END
 while getopts f:m:e: option; do
 	case $option in

@@ -12,8 +12,8 @@
 // endpoint; feature reports are answered as by play_uhid. The device is there while the program
 // runs.
 //
-//   play_usb [--rate HZ] [--count N] [--wait] [--serial TEXT] [--maker TEXT] [--hold S] [--bare]
-//            [--fail N] [--late I --late-for S] [--sent FILE] RECORDING…
+//   play_usb [--rate HZ] [--count N] [--wait] [--serial TEXT] [--maker TEXT] [--after S] [--hold S]
+//            [--bare] [--fail N] [--late I --late-for S] [--sent FILE] RECORDING…
 
 #define VHCI "/sys/devices/platform/vhci_hcd.0/"
 
@@ -240,7 +240,7 @@ static void unlink_request(uint32_t seqnum, uint32_t victim) {
 
 static void start(struct interface *f) {
     if (!f->started)
-        f->start_ns = player_now_ns();
+        f->start_ns = player_now_ns() + player.after_ns;
     f->started = true;
 }
 
