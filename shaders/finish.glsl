@@ -1,9 +1,9 @@
 // What a surface is made of, fragment by fragment, and its light: cloth with the shadows of balls and
 // the mouths of pockets, wood, billiard balls with stripe and number. Needs frame.glsl, light.glsl.
 
-// What a pipeline draws, so that none pays for what the others are made of: anything; balls; sticks;
-// sheets and solids.
-const int ANY = 0, BALLS = 1, STICKS = 2, SHEETS = 3;
+// What a pipeline draws, so that none pays for what the others are made of (software Vulkan goes
+// through both sides of an if): anything; balls; sticks; sheets and solids; what is matte.
+const int ANY = 0, BALLS = 1, STICKS = 2, SHEETS = 3, MATTE_ONLY = 4;
 layout(constant_id = 0) const int DRAWS = ANY;
 
 layout(set = 0, binding = 2) uniform sampler2DArray decals; // coverage; a layer a text
@@ -114,7 +114,7 @@ vec3 pockets(vec3 color, vec4 p, float pixel) {
 // p, n: place and normal in the part's coordinates, as they were interpolated.
 vec3 finished(Draw d, vec4 p, vec4 n) {
     int finish = int(d.finish.x);
-    bool ball = DRAWS == BALLS || (DRAWS == ANY && d.shape.z == BALL);
+    bool ball = DRAWS == BALLS || ((DRAWS == ANY || DRAWS == MATTE_ONLY) && d.shape.z == BALL);
     bool sheet = DRAWS == SHEETS || DRAWS == ANY, stick = DRAWS == STICKS || DRAWS == ANY;
     vec3 u = p.xyz * inversesqrt(max(dot(p.xyz, p.xyz), 1e-12));
     if (ball) {
@@ -138,7 +138,7 @@ vec3 finished(Draw d, vec4 p, vec4 n) {
     float pixel = lamp_light.z * sqrt(nose_square) / max(facing, 0.2);
     vec3 color = d.color.rgb;
     float shine = ball ? 0.42 : finish == WOOD ? 0.14 : 0.0;
-    if (ball && finish >= POOL)
+    if (DRAWS != MATTE_ONLY && ball && finish >= POOL)
         color = ball_color(color, u, pixel / d.shape.x, finish == STRIPED, d.finish.y);
     else if (sheet && finish == CLOTH)
         color = cloth(color, rho * p.xz, rho * pixel);

@@ -95,11 +95,11 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct frame *f,
     return AP_OK;
 }
 
-static enum ap_pipeline_kind pipeline_of(const struct ap_part *part, bool guard) {
-    bool closed = part->one_sided || part->kind == AP_PART_BALL || part->kind == AP_PART_STICK;
-    if (guard)
-        return closed ? AP_PIPELINE_GUARD_CLOSED : AP_PIPELINE_GUARD;
-    return closed ? AP_PIPELINE_CLOSED : AP_PIPELINE_TWOSIDED;
+static enum ap_pipeline_kind pipeline_of(const struct frame *f, const struct ap_part *part,
+                                         bool guard) {
+    enum ap_pipeline_kind kind = ap_pipeline_for(part, f->input->plain);
+    bool closed = kind == AP_PIPELINE_CLOSED || kind == AP_PIPELINE_MATTE;
+    return !guard ? kind : closed ? AP_PIPELINE_GUARD_CLOSED : AP_PIPELINE_GUARD;
 }
 
 static bool is_hand(const struct ap_part *part) {
@@ -163,7 +163,7 @@ static enum ap_status add(struct ap_error *err, const struct frame *f,
         place.far_m = space.kappa > 0 ? fmin(d + reach_m, PI * rho) : d + reach_m;
     }
     item.mesh = f->meshes->shapes[f->meshes->shape_of_part[index]].mesh[0];
-    item.pipeline = pipeline_of(part, ap_needs_guard(f->viewer, f->eyes, &place));
+    item.pipeline = pipeline_of(f, part, ap_needs_guard(f->viewer, f->eyes, &place));
     enum ap_status st = item.eyes ? choose_mesh(err, f, cell, near_cell, &place, &item) : AP_OK;
     if (st)
         return st;

@@ -79,10 +79,10 @@ static void count(struct ap_draw_list *list, const struct ap_draw_item *item, un
     }
 }
 
-static enum ap_pipeline_kind pipeline_for(const struct ap_part *part, bool guard, bool plain) {
-    if (guard)
-        return AP_PIPELINE_GUARD;
+enum ap_pipeline_kind ap_pipeline_for(const struct ap_part *part, bool plain) {
     bool closed = part->one_sided || part->kind == AP_PART_BALL || part->kind == AP_PART_STICK;
+    if (part->lit && part->finish == AP_FINISH_MATTE && closed && !plain)
+        return AP_PIPELINE_MATTE;
     if (part->lit && part->finish != AP_FINISH_PLAIN && !plain)
         return part->kind == AP_PART_BALL    ? AP_PIPELINE_BALLS
                : part->kind == AP_PART_STICK ? AP_PIPELINE_STICKS
@@ -176,7 +176,7 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
         .max_error_px = params->max_error_px,
         .solid = part->kind == AP_PART_SOLID ? &params->scene->solids[part->solid] : NULL,
         .closed = item->pipeline == AP_PIPELINE_CLOSED || item->pipeline == AP_PIPELINE_BALLS ||
-                  item->pipeline == AP_PIPELINE_STICKS,
+                  item->pipeline == AP_PIPELINE_STICKS || item->pipeline == AP_PIPELINE_MATTE,
         .triangles_max = REFINED_MAX - used};
     item->refined = true;
     list->stats.refined++;
@@ -252,7 +252,7 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
             ap_clear_of_eyes(viewer, params->eyes, &place))
             st = add_disc(err, params, list, &item, range_m, &of);
         if (st == AP_OK && item.eyes != 0) {
-            item.pipeline = pipeline_for(part, guard, params->input->plain);
+            item.pipeline = guard ? AP_PIPELINE_GUARD : ap_pipeline_for(part, params->input->plain);
             st = ap_draw_list_mesh(err, params, &place, list, &item);
         }
         if (st == AP_OK && of != 0)

@@ -55,6 +55,9 @@ enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_para
 // Room for so many more items.
 enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap_draw_list *list);
 
+// What draws a part that needs no guard. plain: without finishes (ap_frame_input).
+enum ap_pipeline_kind ap_pipeline_for(const struct ap_part *part, bool plain);
+
 // Gives an item, whose place, image and pipeline are known, a mesh that holds the bound: one made
 // ahead, or where none does (or only a large one) one for this frame. Counts what cannot hold it.
 enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,

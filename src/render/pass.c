@@ -135,13 +135,11 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
     static const struct {
         bool closed;
         int shaders, draws; // draws: DRAWS of shaders/finish.glsl
-    } KIND[AP_PIPELINE_COUNT] = {[AP_PIPELINE_CLOSED] = {.closed = true},
-                                 [AP_PIPELINE_GUARD] = {.shaders = 1},
-                                 [AP_PIPELINE_GUARD_CLOSED] = {.closed = true, .shaders = 1},
-                                 [AP_PIPELINE_BALLS] = {true, 2, 1},
-                                 [AP_PIPELINE_STICKS] = {true, 2, 2},
-                                 [AP_PIPELINE_SHEETS] = {false, 2, 3},
-                                 [AP_PIPELINE_DISC] = {.shaders = 3}};
+    } KIND[AP_PIPELINE_COUNT] = {
+        [AP_PIPELINE_CLOSED] = {.closed = true},   [AP_PIPELINE_GUARD] = {.shaders = 1},
+        [AP_PIPELINE_GUARD_CLOSED] = {true, 1, 4}, [AP_PIPELINE_MATTE] = {true, 2, 4},
+        [AP_PIPELINE_BALLS] = {true, 2, 1},        [AP_PIPELINE_STICKS] = {true, 2, 2},
+        [AP_PIPELINE_SHEETS] = {false, 2, 3},      [AP_PIPELINE_DISC] = {.shaders = 3}};
     int set = KIND[kind].shaders;
     struct ap_pipeline_params pipeline = {.vertex = shader[2 * set],
                                           .fragment = shader[2 * set + 1],

@@ -9,12 +9,13 @@
 enum ap_pipeline_kind {
     AP_PIPELINE_CLOSED,   // back faces are not seen
     AP_PIPELINE_TWOSIDED, // polygons, and solids that somebody else made
+    AP_PIPELINE_MATTE,    // closed; light at every fragment, and nothing else
     AP_PIPELINE_BALLS,    // light and material at every fragment: closed, closed, two-sided
     AP_PIPELINE_STICKS,
-    AP_PIPELINE_SHEETS, // and solids
-    AP_PIPELINE_GUARD,  // two-sided, and every fragment is looked at
-    AP_PIPELINE_GUARD_CLOSED,
-    AP_PIPELINE_DISC, // src/render/disc.h; over all others, far before near
+    AP_PIPELINE_SHEETS,       // and solids
+    AP_PIPELINE_GUARD,        // two-sided, and every fragment is looked at
+    AP_PIPELINE_GUARD_CLOSED, // likewise, of what is plain or matte
+    AP_PIPELINE_DISC,         // src/render/disc.h; over all others, far before near
     AP_PIPELINE_COUNT
 };
 

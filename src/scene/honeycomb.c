@@ -72,6 +72,7 @@ static void add_piece(struct ap_scene_build *build, struct ap_iso place, int sol
     part.carrier = AP_CARRIER_CELL;
     part.solid_levels = LEVELS;
     part.one_sided = true;
+    part.finish = AP_FINISH_MATTE; // else its light would change with its level
     part.form = form;
     part.radius_m = radius_m;
     ap_build_part(build, part);
@@ -199,6 +200,7 @@ enum ap_status ap_furnish_honeycomb(struct ap_error *err, const struct ap_json_a
     if (plan->look.balls) {
         struct ap_part ball = ap_ball_part(AP_ISO_IDENTITY, 0.22 * inradius, 0xe8ecf4);
         ball.carrier = AP_CARRIER_CELL;
+        ball.finish = AP_FINISH_MATTE;
         ap_build_part(build, ball);
     }
     return AP_OK;

@@ -131,6 +131,40 @@ static void crossing_a_face_is_not_seen(void **state) {
     }
 }
 
+// Light is as the surface is, not as the facets are: with other levels of detail, and as a tourist
+// from the same place where both eyes are at the nose, only outlines differ.
+static void light_does_not_know_the_level(void **state) {
+    (void)state;
+    static const char *const scenes[] = {"honeycomb:3,3,4", "honeycomb:5,3,4,width=0.7,horizon=60",
+                                         "torus,balls,horizon=60"};
+    for (size_t s = 0; s < sizeof scenes / sizeof *scenes; s++) {
+        struct ap_scene *scene = named(scenes[s]);
+        uint8_t *first = malloc(2 * EYE_BYTES);
+        size_t differ[2] = {0};
+        for (int i = 0; i < 3; i++) {
+            const struct ap_renderer_params params = {.max_error_px = i == 0 ? 0.1 : 1};
+            struct ap_renderer *r = stage_renderer(&stage, scene, &params);
+            struct ap_frame_input input =
+                stage_input(scene->space, i == 2 ? AP_VIEW_TOURIST : AP_VIEW_NATIVE, 0.6, 0);
+            input.viewer.world_from_nose = pose(scene, 3);
+            stage_draw(&stage, r, &input);
+            const uint8_t *now = stage_eye(&stage, 0);
+            if (i == 0)
+                memcpy(first, now, 2 * EYE_BYTES);
+            for (size_t p = 0; p < 2 * EYE_BYTES && i > 0; p++)
+                differ[i - 1] += abs(first[p] - now[p]) > 8;
+            ap_renderer_destroy(r);
+        }
+        print_message("%-36s differ by more than 8: 0.1 px and 1 px %zu, tourist %zu of %zu\n",
+                      scenes[s], differ[0], differ[1], 2 * EYE_BYTES);
+        size_t most = 2 * EYE_BYTES / 100;
+        if (is_blank(first) || differ[0] > most || differ[1] > most)
+            fail_msg("%s: more than %zu of %zu bytes differ", scenes[s], most, 2 * EYE_BYTES);
+        free(first);
+        ap_scene_destroy(scene);
+    }
+}
+
 static int open_stage(void **state) {
     (void)state;
     return stage_open(&stage, SIZE, SIZE, false) ? 0 : 77;
@@ -138,7 +172,8 @@ static int open_stage(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(leaving_cells_out_changes_no_pixel),
-                                       cmocka_unit_test(crossing_a_face_is_not_seen)};
+                                       cmocka_unit_test(crossing_a_face_is_not_seen),
+                                       cmocka_unit_test(light_does_not_know_the_level)};
     void *none = NULL;
     if (open_stage(&none) != 0)
         return 77;
