@@ -71,7 +71,7 @@ void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,
 // depends on the input only.
 void ap_draw_list_sort(struct ap_draw_list *list);
 
-// Writes what the shaders need of each item, and the marks of the surface that takes them.
+// Once it is sorted: writes what the shaders need of each item, and the marks of the surface that takes them.
 void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_input *input,
                         const struct ap_eyes *eyes, const struct ap_draw_list *list,
                         struct ap_gpu_draw *draws, struct ap_gpu_marks *marks);

@@ -74,6 +74,7 @@ static struct ap_frame_stats check_frame(const struct ap_scene *scene,
                                           .height_px = 200,
                                           .max_error_px = 2};
     STAGE_CHECK(ap_draw_list_fill(&stage_error, &params, list));
+    ap_draw_list_sort(list);
     struct ap_gpu_draw *draws = calloc(list->count + 1, sizeof *draws);
     struct ap_gpu_marks *marks = calloc(1, sizeof *marks);
     struct ap_gpu_frame frame = ap_frame_of(&input->viewer);
@@ -203,10 +204,11 @@ static void check_images(const struct ap_scene *scene, const struct ap_meshes *m
     double rho = scene->space.rho_m;
     STAGE_CHECK(ap_draw_list_fill(&stage_error, &params, list));
     assert_int_equal(list->count, scene->space.kappa > 0 ? 2 * RANGE : RANGE);
+    ap_draw_list_sort(list);
     ap_draw_list_write(scene, input, &eyes, list, draws, &marks);
     struct ap_iso nose_from_world = ap_iso_inverse(scene->space, input->viewer.world_from_nose);
     for (size_t i = 0; i < list->count; i++) {
-        const struct ap_draw_item *item = &list->items[i];
+        const struct ap_draw_item *item = list->order[i];
         struct ap_vec3 v = at[item->part];
         struct ap_vec4 turned = ap_iso_apply(&nose_from_world, (struct ap_vec4){v.x, v.y, v.z, 0});
         struct ap_vec3 is = {turned.x, turned.y, turned.z};
