@@ -235,7 +235,8 @@ static void test_slimevr(void **unused) {
 }
 
 // The packed rotations against what the trackers' firmware packs, all over: the quaternion's vector
-// part, its length made 2/pi times half the angle, x in 10 bits, y and z in 11.
+// part, its length made 2/pi times half the angle, x in 10 bits, y and z in 11, what is over cut
+// off.
 static void test_slimevr_packed(void **unused) {
     (void)unused;
     double worst = 0;
@@ -245,9 +246,9 @@ static void test_slimevr_packed(void **unused) {
         struct ap_quat want = ap_quat_from_axis_angle(axis, angle);
         double sine = sqrt(1 - want.w * want.w);
         double r = angle > 0 ? 0.63661977236758134308 * atan2(sine, want.w) : 0;
-        uint32_t bits = (uint32_t)(lrint((axis.x * r + 1) * 512) & 0x3ff) |
-                        (uint32_t)(lrint((axis.y * r + 1) * 1024) & 0x7ff) << 10 |
-                        (uint32_t)(lrint((axis.z * r + 1) * 1024) & 0x7ff) << 21;
+        uint32_t bits = ((uint32_t)((axis.x * r + 1) * 512) & 0x3ff) |
+                        ((uint32_t)((axis.y * r + 1) * 1024) & 0x7ff) << 10 |
+                        ((uint32_t)((axis.z * r + 1) * 1024) & 0x7ff) << 21;
         uint8_t packet[16] = {2};
         for (int k = 0; k < 4; k++)
             packet[5 + k] = (uint8_t)(bits >> 8 * k);
