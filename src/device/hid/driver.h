@@ -96,9 +96,16 @@ struct ap_driver_step {
     bool if_silent;     // again only where no interface of the device has given a pose for so long
 };
 
+// One product, in a row of a table of ids.
+#define AP_PRODUCT(vendor_id, product_id)                                                          \
+    .vendor = (vendor_id), .first_product = (product_id), .last_product = (product_id)
+
+// A model, or a few that are the same to their driver.
 struct ap_driver_ids {
     uint16_t bus; // 0: any
     uint16_t vendor, first_product, last_product;
+    uint32_t not_interfaces; // bits: of a device with several, those that are not for this driver
+    const void *model;       // the driver's own: what is particular about it
 };
 
 struct ap_driver {
@@ -106,7 +113,7 @@ struct ap_driver {
     const char *title;  // for people
     bool hands_first;   // its trackers are a left and a right hand, not a head and two hands
     size_t state_bytes; // at most AP_DRIVER_STATE_MAX, zeroed before init
-    bool (*match)(const struct ap_device_info *info);
+    bool (*match)(const struct ap_device_info *info);             // NULL: by ids
     void (*init)(void *state, const struct ap_device_info *info); // may be NULL
     // The number of steps; may be NULL: the device reports by itself.
     int (*start)(const struct ap_device_info *info,
@@ -135,7 +142,11 @@ const struct ap_driver *ap_driver_find(const struct ap_device_info *info);
 int ap_driver_count(void);
 const struct ap_driver *ap_driver_at(int index);
 
-// Whether the driver's ids name the device.
+// What the driver's ids say of the device; NULL: they do not name it.
+const struct ap_driver_ids *ap_driver_ids_of(const struct ap_driver *driver,
+                                             const struct ap_device_info *info);
+
+// The same, and no more than whether.
 bool ap_driver_names(const struct ap_driver *driver, const struct ap_device_info *info);
 
 // For drivers: AP_REPORT_BAD, with the sentence in samples->why ("expected …").

@@ -24,19 +24,33 @@ const struct ap_driver *ap_driver_at(int index) {
     return index >= 0 && index < ap_driver_count() ? drivers[index] : NULL;
 }
 
-const struct ap_driver *ap_driver_find(const struct ap_device_info *info) {
-    for (int i = 0; i < ap_driver_count(); i++)
-        if (drivers[i]->match(info))
-            return drivers[i];
+const struct ap_driver_ids *ap_driver_ids_of(const struct ap_driver *driver,
+                                             const struct ap_device_info *info) {
+    for (const struct ap_driver_ids *id = driver->ids; id && id->vendor; id++)
+        if (id->vendor == info->vendor && info->product >= id->first_product &&
+            info->product <= id->last_product && (!id->bus || id->bus == info->bus))
+            return id;
     return NULL;
 }
 
 bool ap_driver_names(const struct ap_driver *driver, const struct ap_device_info *info) {
-    for (const struct ap_driver_ids *id = driver->ids; id && id->vendor; id++)
-        if (id->vendor == info->vendor && info->product >= id->first_product &&
-            info->product <= id->last_product && (!id->bus || id->bus == info->bus))
-            return true;
-    return false;
+    return ap_driver_ids_of(driver, info) != NULL;
+}
+
+static bool matches(const struct ap_driver *driver, const struct ap_device_info *info) {
+    if (driver->match)
+        return driver->match(info);
+    const struct ap_driver_ids *ids = ap_driver_ids_of(driver, info);
+    bool other = info->interface_known && info->interface_number < 32 && ids &&
+                 ids->not_interfaces >> info->interface_number & 1;
+    return ids && !other;
+}
+
+const struct ap_driver *ap_driver_find(const struct ap_device_info *info) {
+    for (int i = 0; i < ap_driver_count(); i++)
+        if (matches(drivers[i], info))
+            return drivers[i];
+    return NULL;
 }
 
 const struct ap_feature_report *ap_device_feature(const struct ap_device_info *info, uint8_t id) {

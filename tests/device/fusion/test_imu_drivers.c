@@ -83,8 +83,8 @@ static void check_playstation(uint16_t bus, uint16_t product, size_t gyro, size_
                               size_t ticks, size_t buttons, size_t triggers, size_t battery) {
     const struct ap_driver *driver = plug(bus, 0x054c, product);
     assert_ptr_equal(driver, &ap_driver_playstation);
-    const struct ap_playstation_layout *layout = ap_playstation_find(&info);
-    assert_non_null(layout);
+    const struct ap_playstation_layout *layout =
+        ap_driver_ids_of(&ap_driver_playstation, &info)->model;
     struct ap_feature_report feature = calibration_of(layout);
     struct ap_playstation_calibration c = ap_playstation_calibrate(layout, &feature);
     uint8_t b[78] = {layout->report};
@@ -135,7 +135,8 @@ static void test_playstation_packets(void **unused) {
 static void test_calibration(void **unused) {
     (void)unused;
     plug(3, 0x054c, 0x0ce6);
-    const struct ap_playstation_layout *layout = ap_playstation_find(&info);
+    const struct ap_playstation_layout *layout =
+        ap_driver_ids_of(&ap_driver_playstation, &info)->model;
     struct ap_feature_report zero = {.len = 41, .bytes = {5}}, full = zero,
                              cut = calibration_of(layout);
     memset(full.bytes + 1, 0xff, 40);

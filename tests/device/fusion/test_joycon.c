@@ -68,7 +68,7 @@ static void test_packet(void **unused) {
     b[5] = 0x80; // ZL
     struct ap_joycon_calibration c = ap_joycon_usual_calibration();
     struct ap_joycon_packet p;
-    assert_int_equal(ap_joycon_parse(AP_JOYCON_LEFT, &c, b, sizeof b, &p), AP_REPORT_OK);
+    assert_int_equal(ap_joycon_parse(ap_joycon_ids[0].model, &c, b, sizeof b, &p), AP_REPORT_OK);
     const double g = 9.80665, w = 70 * DEGREE;
     for (int i = 0; i < 3; i++) {
         check_vec("left, forces", p.at[i].acc_m_s2, -2 * g, -g, -g);
@@ -78,14 +78,15 @@ static void test_packet(void **unused) {
     assert_int_equal(p.at[2].ticks, 202);
     close_to("battery", p.battery, 0.75, 0);
     assert_true(p.trigger && !(p.buttons & 1));
-    assert_int_equal(ap_joycon_parse(AP_JOYCON_RIGHT, &c, b, sizeof b, &p), AP_REPORT_OK);
+    assert_int_equal(ap_joycon_parse(ap_joycon_ids[1].model, &c, b, sizeof b, &p), AP_REPORT_OK);
     check_vec("right, forces", p.at[2].acc_m_s2, 2 * g, g, -g);
     check_vec("right, rates", p.at[2].gyr_rad_s, -2 * w, -3 * w, -w);
     assert_true(p.buttons & 1);
     for (size_t len = 0; len < sizeof b; len++)
-        assert_int_equal(ap_joycon_parse(AP_JOYCON_PRO, &c, b, len, &p), AP_REPORT_BAD);
+        assert_int_equal(ap_joycon_parse(ap_joycon_ids[2].model, &c, b, len, &p), AP_REPORT_BAD);
     b[0] = 0x3f;
-    assert_int_equal(ap_joycon_parse(AP_JOYCON_PRO, &c, b, sizeof b, &p), AP_REPORT_IGNORED);
+    assert_int_equal(ap_joycon_parse(ap_joycon_ids[2].model, &c, b, sizeof b, &p),
+                     AP_REPORT_IGNORED);
 }
 
 static void test_calibration(void **unused) {

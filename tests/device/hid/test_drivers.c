@@ -294,7 +294,7 @@ static void test_table(void **unused) {
     (void)unused;
     for (int i = 0; i < ap_driver_count(); i++) {
         const struct ap_driver *a = ap_driver_at(i);
-        assert_true(a->name[0] && a->title[0] && a->match && a->parse);
+        assert_true(a->name[0] && a->title[0] && (a->match || a->ids) && a->parse);
         assert_true(a->state_bytes <= AP_DRIVER_STATE_MAX);
         for (int k = 0; k < i; k++)
             assert_string_not_equal(a->name, ap_driver_at(k)->name);

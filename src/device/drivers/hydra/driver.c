@@ -7,13 +7,9 @@ enum { REPORTS = 0, COMMANDS = 1 }; // interfaces
 enum { RETRY_MS = 5000 };
 
 static const struct ap_driver_ids ids[] = {
-    {.vendor = 0x1532, .first_product = 0x0300, .last_product = 0x0300},
+    {AP_PRODUCT(0x1532, 0x0300)},
     {0},
 };
-
-static bool match(const struct ap_device_info *info) {
-    return ap_driver_names(&ap_driver_hydra, info);
-}
 
 // Each interface is a device of its own here: the first one reports, the second one is told.
 static bool is_interface(const struct ap_device_info *info, int number) {
@@ -63,7 +59,6 @@ const struct ap_driver ap_driver_hydra = {
     .hands_first = true,
     .ids = ids,
     .degrees = 6,
-    .match = match,
     .start = start,
     .parse = parse,
 };

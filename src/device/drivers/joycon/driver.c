@@ -4,29 +4,22 @@
 enum { USB = 3 };
 
 struct state {
-    enum ap_joycon_kind kind;
+    const struct ap_joycon_model *model;
     struct ap_joycon_calibration calibration;
     struct ap_imu imu;
 };
 
-static const struct ap_driver_ids ids[] = {
-    {.vendor = 0x057e, .first_product = 0x2006, .last_product = 0x2007},
-    {.vendor = 0x057e, .first_product = 0x2009, .last_product = 0x2009},
-    {0},
-};
-
-static const char *side(const struct ap_device_info *info) {
-    enum ap_joycon_kind kind = ap_joycon_kind_of(info);
-    return kind == AP_JOYCON_LEFT ? "left" : kind == AP_JOYCON_RIGHT ? "right" : NULL;
+static const struct ap_joycon_model *model_of(const struct ap_device_info *info) {
+    return ap_driver_ids_of(&ap_driver_joycon, info)->model;
 }
 
-static bool match(const struct ap_device_info *info) {
-    return ap_joycon_kind_of(info) != AP_JOYCON_NONE;
+static const char *side(const struct ap_device_info *info) {
+    return model_of(info)->side;
 }
 
 static void init(void *state, const struct ap_device_info *info) {
     struct state *s = state;
-    s->kind = ap_joycon_kind_of(info);
+    s->model = model_of(info);
     s->calibration = ap_joycon_usual_calibration();
     // Reports come a tick or two early now and then, and may be out of order, by up to 0.16 s; the
     // timer goes round in 1.28.
@@ -76,7 +69,7 @@ static enum ap_report_verdict parse(void *state, const struct ap_device_info *in
     struct ap_joycon_packet p;
     if (ap_joycon_read_calibration(bytes, len, &s->calibration))
         return AP_REPORT_OK;
-    enum ap_report_verdict verdict = ap_joycon_parse(s->kind, &s->calibration, bytes, len, &p);
+    enum ap_report_verdict verdict = ap_joycon_parse(s->model, &s->calibration, bytes, len, &p);
     if (verdict == AP_REPORT_BAD)
         return ap_report_bad(samples, "a report of at least %d bytes", AP_JOYCON_REPORT);
     if (verdict != AP_REPORT_OK)
@@ -92,12 +85,11 @@ const struct ap_driver ap_driver_joycon = {
     .name = "joycon",
     .title = "Joy-Con, Pro Controller",
     .hands_first = true,
-    .ids = ids,
+    .ids = ap_joycon_ids,
     .side = side,
     .degrees = 3,
     .recentre = AP_JOYCON_HOME,
     .state_bytes = sizeof(struct state),
-    .match = match,
     .init = init,
     .start = start,
     .parse = parse,

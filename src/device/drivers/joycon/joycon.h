@@ -10,9 +10,14 @@ enum { AP_JOYCON_REPORT = 49, AP_JOYCON_MEASUREMENTS = 3 };
 
 enum { AP_JOYCON_HOME = 3 << 13 }; // of a packet's buttons: Home, the left one's Capture
 
-enum ap_joycon_kind { AP_JOYCON_NONE, AP_JOYCON_LEFT, AP_JOYCON_RIGHT, AP_JOYCON_PRO };
+struct ap_joycon_model {
+    const char *side;    // NULL: of either hand
+    bool is_upside_down; // the sensor
+    int selects;         // the button that does, of the 24 in a report
+};
 
-enum ap_joycon_kind ap_joycon_kind_of(const struct ap_device_info *info);
+// Whose models are struct ap_joycon_model: the left one, the right one, the Pro Controller.
+extern const struct ap_driver_ids ap_joycon_ids[];
 
 // Measured = (raw − bias)·scale, in rad/s and m/s², by the device's own axes.
 struct ap_joycon_calibration {
@@ -31,7 +36,7 @@ struct ap_joycon_packet {
 };
 
 // AP_REPORT_IGNORED: no full report.
-enum ap_report_verdict ap_joycon_parse(enum ap_joycon_kind kind,
+enum ap_report_verdict ap_joycon_parse(const struct ap_joycon_model *model,
                                        const struct ap_joycon_calibration *calibration,
                                        const uint8_t *bytes, size_t len,
                                        struct ap_joycon_packet *packet);

@@ -13,29 +13,20 @@ enum {
 
 static const double DEGREE = 3.14159265358979323846 / 180, GRAVITY = 9.80665;
 
-enum ap_joycon_kind ap_joycon_kind_of(const struct ap_device_info *info) {
-    if (info->vendor != 0x057e)
-        return AP_JOYCON_NONE;
-    return info->product == 0x2006   ? AP_JOYCON_LEFT
-           : info->product == 0x2007 ? AP_JOYCON_RIGHT
-           : info->product == 0x2009 ? AP_JOYCON_PRO
-                                     : AP_JOYCON_NONE;
-}
-
 struct ap_joycon_calibration ap_joycon_usual_calibration(void) {
     const double gyro = 0.070 * DEGREE, accel = GRAVITY / 4096;
     return (struct ap_joycon_calibration){.gyro_scale = {gyro, gyro, gyro},
                                           .accel_scale = {accel, accel, accel}};
 }
 
-// The sensor's x points to the triggers, y left and z out of the buttons; the right one lies the
-// other way round.
-static struct ap_vec3 turned(enum ap_joycon_kind kind, double x, double y, double z) {
-    double side = kind == AP_JOYCON_RIGHT ? -1 : 1;
+// The sensor's x points to the triggers, y left and z out of the buttons; or it lies the other way
+// round.
+static struct ap_vec3 turned(const struct ap_joycon_model *model, double x, double y, double z) {
+    double side = model->is_upside_down ? -1 : 1;
     return (struct ap_vec3){-side * y, side * z, -x};
 }
 
-enum ap_report_verdict ap_joycon_parse(enum ap_joycon_kind kind,
+enum ap_report_verdict ap_joycon_parse(const struct ap_joycon_model *model,
                                        const struct ap_joycon_calibration *c, const uint8_t *bytes,
                                        size_t len, struct ap_joycon_packet *packet) {
     if (len < 1)
@@ -53,12 +44,11 @@ enum ap_report_verdict ap_joycon_parse(enum ap_joycon_kind kind,
             w[k] = (ap_i16le(b + 6) - c->gyro_bias[k]) * c->gyro_scale[k];
         }
         packet->at[i].ticks = (uint8_t)(bytes[1] + i);
-        packet->at[i].acc_m_s2 = turned(kind, a[0], a[1], a[2]);
-        packet->at[i].gyr_rad_s = turned(kind, w[0], w[1], w[2]);
+        packet->at[i].acc_m_s2 = turned(model, a[0], a[1], a[2]);
+        packet->at[i].gyr_rad_s = turned(model, w[0], w[1], w[2]);
     }
     uint32_t all = bytes[3] | (uint32_t)bytes[4] << 8 | (uint32_t)bytes[5] << 16;
-    bool first = (kind == AP_JOYCON_LEFT ? bytes[5] >> 2 : bytes[3] >> 3) & 1;
-    packet->buttons = first | all << 1;
+    packet->buttons = (all >> model->selects & 1) | all << 1;
     packet->trigger = (bytes[3] | bytes[5]) & 0x80;
     return AP_REPORT_OK;
 }

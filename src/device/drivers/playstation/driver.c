@@ -7,21 +7,13 @@ struct state {
     struct ap_imu imu;
 };
 
-static const struct ap_driver_ids ids[] = {
-    {.vendor = 0x054c, .first_product = 0x05c4, .last_product = 0x05c4},
-    {.vendor = 0x054c, .first_product = 0x09cc, .last_product = 0x09cc},
-    {.vendor = 0x054c, .first_product = 0x0ce6, .last_product = 0x0ce6},
-    {.vendor = 0x054c, .first_product = 0x0df2, .last_product = 0x0df2},
-    {0},
-};
-
-static bool match(const struct ap_device_info *info) {
-    return ap_playstation_find(info) != NULL;
+static const struct ap_playstation_layout *layout_of(const struct ap_device_info *info) {
+    return ap_driver_ids_of(&ap_driver_playstation, info)->model;
 }
 
 static void init(void *state, const struct ap_device_info *info) {
     struct state *s = state;
-    s->layout = ap_playstation_find(info);
+    s->layout = layout_of(info);
     s->calibration =
         ap_playstation_calibrate(s->layout, ap_device_feature(info, s->layout->calibration));
     ap_driver_begin_fused(&s->imu, &s->layout->imu, info);
@@ -29,7 +21,7 @@ static void init(void *state, const struct ap_device_info *info) {
 
 static int start(const struct ap_device_info *info,
                  struct ap_driver_step steps[AP_DRIVER_STEPS_MAX]) {
-    const struct ap_playstation_layout *layout = ap_playstation_find(info);
+    const struct ap_playstation_layout *layout = layout_of(info);
     steps[0] = (struct ap_driver_step){.kind = AP_STEP_GET_FEATURE,
                                        .len = layout->calibration_len,
                                        .bytes = {layout->calibration}};
@@ -60,11 +52,10 @@ const struct ap_driver ap_driver_playstation = {
     .name = "playstation",
     .title = "DualSense, DualShock 4",
     .hands_first = true,
-    .ids = ids,
+    .ids = ap_playstation_ids,
     .degrees = 3,
     .recentre = AP_PLAYSTATION_HOME,
     .state_bytes = sizeof(struct state),
-    .match = match,
     .init = init,
     .start = start,
     .parse = parse,

@@ -7,8 +7,6 @@
 // DualSense and DualShock 4, by cable and by Bluetooth: what differs is a row of a table.
 
 struct ap_playstation_layout {
-    uint16_t bus; // 3: USB, 5: Bluetooth
-    uint16_t products[2];
     uint8_t report; // its id
     size_t len;
     bool has_crc;                                          // in the last four bytes
@@ -19,8 +17,8 @@ struct ap_playstation_layout {
     size_t plus[3], minus[3]; // offsets of what the gyroscope said at the two speeds
 };
 
-// NULL where the device is none of these.
-const struct ap_playstation_layout *ap_playstation_find(const struct ap_device_info *info);
+// Whose models are struct ap_playstation_layout.
+extern const struct ap_driver_ids ap_playstation_ids[];
 
 // Measured = (raw − bias)·scale, in rad/s and m/s², by axis.
 struct ap_playstation_calibration {

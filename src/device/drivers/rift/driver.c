@@ -15,27 +15,18 @@ enum {
     REPEAT_MS = 3000, // two may get lost
 };
 
-static const struct ap_driver_ids ids[] = {
-    {.vendor = 0x2833, .first_product = 0x0001, .last_product = 0x0001},
-    {.vendor = 0x2833, .first_product = 0x0021, .last_product = 0x0021},
-    {.vendor = 0x2833, .first_product = 0x0031, .last_product = 0x0031},
-    {.vendor = 0x2833, .first_product = 0x2021, .last_product = 0x2021},
-    {0},
-};
-
 struct state {
     const struct ap_rift_layout *layout;
     struct ap_imu imu;
 };
 
-// The CV1's other interface is its controllers' radio.
-static bool match(const struct ap_device_info *info) {
-    return ap_rift_find(info) && (!info->interface_known || info->interface_number == 0);
+static const struct ap_rift_layout *layout_of(const struct ap_device_info *info) {
+    return ap_driver_ids_of(&ap_driver_rift, info)->model;
 }
 
 static void init(void *state, const struct ap_device_info *info) {
     struct state *s = state;
-    s->layout = ap_rift_find(info);
+    s->layout = layout_of(info);
     ap_driver_begin_fused(&s->imu, &s->layout->imu, info);
 }
 
@@ -57,7 +48,7 @@ static int start(const struct ap_device_info *info,
                  struct ap_driver_step steps[AP_DRIVER_STEPS_MAX]) {
     int n = 0;
     steps[n++] = configure(info);
-    if (ap_rift_find(info)->has_components)
+    if (layout_of(info)->has_components)
         steps[n++] = (struct ap_driver_step){
             .kind = AP_STEP_SET_FEATURE, .len = 4, .bytes = {COMPONENTS, 0, 0, 7}};
     steps[n++] = (struct ap_driver_step){.kind = AP_STEP_SET_FEATURE,
@@ -88,10 +79,9 @@ const struct ap_driver ap_driver_rift = {
     .name = "rift",
     .title = "Oculus Rift DK1, DK2, CV1",
     .state_bytes = sizeof(struct state),
-    .match = match,
     .init = init,
     .start = start,
     .parse = parse,
     .degrees = 3,
-    .ids = ids,
+    .ids = ap_rift_ids,
 };

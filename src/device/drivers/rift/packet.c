@@ -1,67 +1,6 @@
 #include "src/device/drivers/bytes.h"
 #include "src/device/drivers/rift/rift.h"
 
-static const struct ap_rift_layout layouts[] = {
-    {
-        .title = "DK1",
-        .products = {0x0001},
-        .report = 0x01,
-        .len = 62,
-        .count = 1,
-        .ticks = 2,
-        .measurements = 8,
-        .most = 3,
-        .step = 1,
-        .imu = {.period_s = 0.001,
-                .bits = 16,
-                .tick_ns_num = 1000000,
-                .tick_ns_den = 1,
-                .late_ticks = 100},
-    },
-    {
-        .title = "DK2",
-        .products = {0x0021, 0x2021},
-        .report = 0x0b,
-        .len = 64,
-        .count = 3,
-        .ticks = 8,
-        .measurements = 12,
-        .most = 2,
-        .step = 1000,
-        .imu = {.period_s = 0.001,
-                .bits = 32,
-                .tick_ns_num = 1000,
-                .tick_ns_den = 1,
-                .late_ticks = 100000},
-    },
-    {
-        .title = "CV1",
-        .products = {0x0031},
-        .report = 0x0b,
-        .len = 64,
-        .count = 3,
-        .ticks = 8,
-        .measurements = 12,
-        .most = 2,
-        .step = 1000,
-        .has_components = true,
-        .imu = {.period_s = 0.001,
-                .bits = 32,
-                .tick_ns_num = 1000,
-                .tick_ns_den = 1,
-                .late_ticks = 100000},
-    },
-};
-
-const struct ap_rift_layout *ap_rift_find(const struct ap_device_info *info) {
-    for (size_t i = 0; i < sizeof layouts / sizeof *layouts; i++)
-        for (int k = 0; k < 2; k++)
-            if (info->vendor == 0x2833 && layouts[i].products[k] &&
-                info->product == layouts[i].products[k])
-                return &layouts[i];
-    return NULL;
-}
-
 struct ap_vec3 ap_rift_triple(const uint8_t b[8]) {
     uint64_t bits = 0;
     for (int i = 0; i < 8; i++)

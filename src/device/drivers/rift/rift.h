@@ -10,8 +10,6 @@
 enum { AP_RIFT_MEASUREMENTS = 3 };
 
 struct ap_rift_layout {
-    const char *title;
-    uint16_t products[2];
     uint8_t report; // its id
     size_t len;
     size_t count, ticks, measurements; // offsets
@@ -21,8 +19,8 @@ struct ap_rift_layout {
     struct ap_imu_params imu;
 };
 
-// NULL where the device is none of these.
-const struct ap_rift_layout *ap_rift_find(const struct ap_device_info *info);
+// Whose models are struct ap_rift_layout.
+extern const struct ap_driver_ids ap_rift_ids[];
 
 struct ap_rift_packet {
     int count; // the oldest first

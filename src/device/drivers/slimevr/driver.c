@@ -8,15 +8,11 @@ struct state {
 };
 
 static const struct ap_driver_ids ids[] = {
-    {.vendor = 0x1209, .first_product = 0x7690, .last_product = 0x7690},
-    {.vendor = 0x1209, .first_product = 0x7692, .last_product = 0x7692},
+    {AP_PRODUCT(0x1209, 0x7690)},
+    {AP_PRODUCT(0x1209, 0x7692)},
     {.vendor = 0x4e76, .first_product = 0xd2d0, .last_product = 0xd2df},
     {0},
 };
-
-static bool match(const struct ap_device_info *info) {
-    return ap_driver_names(&ap_driver_slimevr, info);
-}
 
 // The receiver repeats packets to fill a report: the last one of each tracker counts.
 static struct ap_driver_sample *sample_of(struct ap_driver_samples *samples, int tracker) {
@@ -88,6 +84,5 @@ const struct ap_driver ap_driver_slimevr = {
     .degrees = 3,
     .recentre = 2, // the first one selects
     .state_bytes = sizeof(struct state),
-    .match = match,
     .parse = parse,
 };

@@ -9,7 +9,7 @@ static const double FASTEST_RAD_S = 1.57079632679489661923;
 static const struct ap_driver_ids ids[] = {
     {.vendor = 0x046d, .first_product = 0xc603, .last_product = 0xc62b},
     {.vendor = 0x256f, .first_product = 0xc62e, .last_product = 0xc63a},
-    {.vendor = 0x256f, .first_product = 0xc652, .last_product = 0xc652},
+    {AP_PRODUCT(0x256f, 0xc652)},
     {0},
 };
 

@@ -1,21 +1,16 @@
 #include "src/device/drivers/fused.h"
 #include "src/device/drivers/xreal/xreal.h"
 
-enum { ULTRA = 0x0426 };
+// Takes commands to the screens and measures nothing; the Ultra has it elsewhere.
+enum { SCREENS = 1 << 4 };
 
 static const struct ap_driver_ids ids[] = {
-    {.vendor = 0x3318, .first_product = 0x0424, .last_product = 0x0424},
-    {.vendor = 0x3318, .first_product = ULTRA, .last_product = ULTRA},
-    {.vendor = 0x3318, .first_product = 0x0428, .last_product = 0x0428},
-    {.vendor = 0x3318, .first_product = 0x0432, .last_product = 0x0432},
+    {AP_PRODUCT(0x3318, 0x0424), .not_interfaces = SCREENS},
+    {AP_PRODUCT(0x3318, 0x0426)}, // the Ultra
+    {AP_PRODUCT(0x3318, 0x0428), .not_interfaces = SCREENS},
+    {AP_PRODUCT(0x3318, 0x0432), .not_interfaces = SCREENS},
     {0},
 };
-
-// The fourth interface of all but the Ultra takes commands to the screens and measures nothing.
-static bool match(const struct ap_device_info *info) {
-    bool screens = info->interface_known && info->interface_number == 4;
-    return ap_driver_names(&ap_driver_xreal, info) && (info->product == ULTRA || !screens);
-}
 
 static void init(void *state, const struct ap_device_info *info) {
     const struct ap_imu_params params = {
@@ -55,7 +50,6 @@ const struct ap_driver ap_driver_xreal = {
     .ids = ids,
     .degrees = 3,
     .state_bytes = sizeof(struct ap_imu),
-    .match = match,
     .init = init,
     .start = start,
     .parse = parse,
