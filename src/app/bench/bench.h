@@ -96,7 +96,7 @@ struct ap_bench_case {
 int64_t ap_bench_thread_ns(void); // …this as its clock
 
 // Every contender draws once in every round, there and back in turn, the nose moved a little from
-// round to round; the first two rounds compile and are not counted.
+// round to round; the first two rounds (one of a quick look) compile and are not counted.
 enum ap_status ap_bench_race(struct ap_error *err, const struct ap_bench *bench,
                              struct ap_bench_case *cases, int count);
 // a's cost over b's, round by round.
