@@ -74,8 +74,10 @@ extern const struct ap_bench_view ap_bench_views[];
 extern const int ap_bench_view_count;
 // Of an eye's picture: as in a headset; small, the only one of a quick look.
 extern const uint32_t ap_bench_sizes_px[2][2];
+// The horizon of a world of cells is taken for pixels of a picture 320 wide, so that pictures of
+// any width show the same cells; width_px 0: as it is.
 enum ap_status ap_bench_open_room(struct ap_error *err, const struct ap_bench_view *view,
-                                  struct ap_room *room);
+                                  uint32_t width_px, struct ap_room *room);
 
 // Two eyes 64 mm apart, 100 degrees wide, square pixels.
 struct ap_frame_input ap_bench_input(const struct ap_scene *scene, const struct ap_bench_view *view,

@@ -203,17 +203,17 @@ static enum ap_status race(struct ap_error *err, const struct ap_bench *bench,
     return st;
 }
 
+// The rows of the size that is shown come first.
 static const char SCRIPT[] =
     "set style data histograms\nset style histogram errorbars gap 1 lw 1\n"
     "set style fill solid 0.9 border -1\nset yrange [0:*]\nset offsets graph 0, 0, 0.1, 0\n"
-    "set key outside top center horizontal\nset title heading\n"
+    "set bmargin 6\nset key at screen 0.5, screen 0.015 center bottom horizontal\nset title heading\n"
     "set ylabel cost\nset xlabel 'over each bar: how many times the plain Euclidean pipeline with the "
     "same eyes (aim: native at most 1.10)'\n"
-    "is(w) = strcol(3) eq size ? w : NaN\n"
-    "plot for [e=0:2] $data skip 1 every 3::e using (is($5)):4:6:xtic(1) title (e==0 ? 'one eye' : "
+    "plot for [e=0:2] $data skip 1 every 3::e::(rows-1) using 5:4:6:xtic(1) title (e==0 ? 'one eye' : "
     "e==1 ? 'two eyes, two passes' : 'two eyes, multiview') lc rgb (e==0 ? '#bbbbbb' : e==1 ? "
-    "'#1f77b4' : '#2ca02c'), for [e=0:2] $data skip 1 every 3::e using "
-    "(is($0+0.25*(e-1))):6:(sprintf('%.2f',$8)) with labels offset 0,0.7 font ',8' notitle\n";
+    "'#1f77b4' : '#2ca02c'), for [e=0:2] $data skip 1 every 3::e::(rows-1) using "
+    "($0+0.25*(e-1)):6:(sprintf('%.2f',$8)) with labels offset 0,0.7 font ',8' notitle\n";
 
 enum ap_status ap_bench_curvature(struct ap_error *err, const struct ap_bench *bench) {
     const uint32_t *shown = ap_bench_sizes_px[bench->quick];
@@ -229,8 +229,8 @@ enum ap_status ap_bench_curvature(struct ap_error *err, const struct ap_bench *b
     for (int i = bench->quick; !st && i < 2; i++)
         st = race(err, bench, &solid, ap_bench_sizes_px[i], table.csv, &found[i]);
     char script[2048], title[256];
-    snprintf(script, sizeof script, "cost = '%s (down is better)'\nsize = '%ux%u'\n%s",
-             bench->software ? "CPU ms of all threads" : "GPU ms", shown[0], shown[1], SCRIPT);
+    snprintf(script, sizeof script, "cost = '%s (down is better)'\nrows = %d\n%s",
+             bench->software ? "CPU ms of all threads" : "GPU ms", CASES, SCRIPT);
     snprintf(
         title, sizeof title,
         "The price of curvature, two eyes: h3 %.2f, s3 %.2f of a plain Euclidean pipeline; two eyes "

@@ -85,7 +85,7 @@ static enum ap_status measure(struct ap_error *err, const struct ap_bench *bench
                         .bounds_px = bench->quick ? BOUNDS_QUICK_PX : BOUNDS_PX,
                         .count = bench->quick ? BOUNDS_QUICK : BOUNDS};
     const uint32_t *size = ap_bench_sizes_px[bench->quick];
-    enum ap_status st = ap_bench_open_room(err, view, &c.room);
+    enum ap_status st = ap_bench_open_room(err, view, size[0], &c.room);
     if (st)
         return st;
     st = ap_bench_screen_open(err, &bench->gpu, size[0], size[1], &c.screen);

@@ -146,7 +146,7 @@ static enum ap_status draw_horizons(struct ap_error *err, const struct ap_bench 
         char text[96];
         snprintf(text, sizeof text, "%s,horizon=%g", DRAWN[world].scene, horizon_px[i]);
         const struct ap_bench_view view = {.scene = text};
-        st = ap_bench_open_room(err, &view, &room[i]);
+        st = ap_bench_open_room(err, &view, 0, &room[i]);
         struct ap_renderer_params params = {
             .color_format = VK_FORMAT_R8G8B8A8_SRGB, .width = PICTURE_PX, .height = PICTURE_PX};
         cases[i].screen = &screen;
@@ -202,7 +202,7 @@ enum ap_status ap_bench_growth(struct ap_error *err, const struct ap_bench *benc
     struct ap_bench_table table = {0};
     const struct ap_bench_view view = {.scene = "honeycomb:5,3,4,struts"};
     struct ap_room room;
-    enum ap_status st = ap_bench_open_room(err, &view, &room);
+    enum ap_status st = ap_bench_open_room(err, &view, 0, &room);
     if (st)
         return st;
     st = ap_bench_begin(err, "growth",

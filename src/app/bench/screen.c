@@ -18,11 +18,14 @@ const uint32_t ap_bench_sizes_px[2][2] = {{1080, 1200}, {320, 320}};
 const int ap_bench_view_count = sizeof ap_bench_views / sizeof *ap_bench_views;
 
 enum ap_status ap_bench_open_room(struct ap_error *err, const struct ap_bench_view *view,
-                                  struct ap_room *room) {
+                                  uint32_t width_px, struct ap_room *room) {
     struct ap_room_options options = AP_ROOM_OPTIONS_NONE;
     options.scene = view->scene;
     options.space = view->space;
-    return ap_room_open(err, &options, room);
+    enum ap_status st = ap_room_open(err, &options, room);
+    if (!st && width_px && room->scene->honeycomb)
+        room->scene->honeycomb->horizon_px *= width_px / 320.0;
+    return st;
 }
 
 struct ap_frame_input ap_bench_input(const struct ap_scene *scene, const struct ap_bench_view *view,

@@ -74,9 +74,9 @@ static enum ap_status measure(struct ap_error *err, const struct ap_bench *bench
     struct ap_bench_case cases[CASES] = {{0}};
     struct ap_bench_screen screen[2] = {{0}};
     struct ap_room room[2] = {{0}}; // the second for the small picture
-    enum ap_status st = ap_bench_open_room(err, view, &room[0]);
+    enum ap_status st = ap_bench_open_room(err, view, size[0], &room[0]);
     if (!st)
-        st = ap_bench_open_room(err, view, &room[1]);
+        st = ap_bench_open_room(err, view, size[0], &room[1]);
     if (!st && room[1].scene->honeycomb)
         room[1].scene->honeycomb->horizon_px /= SMALLER;
     if (!st)
@@ -98,7 +98,7 @@ static enum ap_status measure(struct ap_error *err, const struct ap_bench *bench
 static const char STAGES[] =
     "set style data histograms\nset style histogram rowstacked\n"
     "set style fill solid 0.9 border -1\nset boxwidth 0.7\nset xtics rotate by -20\n"
-    "set key outside top center horizontal maxrows 2\nset yrange [0:*]\nset offsets graph 0, 0, 0.1, 0\n"
+    "set bmargin 9\nset key at screen 0.5, screen 0.015 center bottom horizontal maxrows 2\nset yrange [0:*]\nset offsets graph 0, 0, 0.1, 0\n"
     "set title heading\nset ylabel cost\nset rmargin 8\n"
     "plot $data skip 1 every ::0::(scenes-1) using 6:xtic(1) title 'placing, culling, refining (one "
     "thread)' lc rgb '#1f77b4', '' skip 1 every ::0::(scenes-1) using 7 title 'recording' lc rgb "
@@ -162,7 +162,7 @@ static enum ap_status race_skips(struct ap_error *err, const struct ap_bench *be
     struct ap_bench_screen screen = {0};
     struct ap_room room;
     double off = 0;
-    enum ap_status st = ap_bench_open_room(err, view, &room);
+    enum ap_status st = ap_bench_open_room(err, view, size[0], &room);
     if (st)
         return st;
     st = ap_bench_screen_open(err, &bench->gpu, size[0], size[1], &screen);
@@ -194,7 +194,7 @@ static enum ap_status race_skips(struct ap_error *err, const struct ap_bench *be
 static const char SKIPS[] =
     "set style data histograms\nset style histogram errorbars gap 1 lw 1\n"
     "set style fill solid 0.9 border -1\nset yrange [0:*]\nset offsets graph 0, 0, 0.1, 0\n"
-    "set xtics rotate by -20\nset key outside top center horizontal\nset title heading\n"
+    "set xtics rotate by -20\nset bmargin 7\nset key at screen 0.5, screen 0.015 center bottom horizontal\nset title heading\n"
     "set ylabel cost\nset rmargin 8\n"
     "plot $data skip 1 every 2::0 using 5:4:6:xtic(1) title 'what no eye can see is left out' lc rgb "
     "'#1f77b4', $data skip 1 every 2::1 using 5:4:6 title 'all of it drawn (--no-cull): the same "
