@@ -9,17 +9,21 @@ struct View {
 layout(std140, set = 0, binding = 0) uniform Frame {
     View view[2];
     vec4 depth[2]; // tourist: depth = (w·depth.x − z·depth.y)/−z, one for each image
-    int kappa, mode;
     float rho;      // metres
     float near;     // metres; native: depth = near/−z
     float forbidden; // nothing nearer than so many metres to the eye or its antipode is drawn
     float forbidden_sine; // S(forbidden/rho)
-    int born_kappa;       // native-of: the space she was born in
-    float born_rho;
+    float born_rho;       // native-of: of the space she was born in
     vec4 lamp_light; // S² of the distance where its light is 1; S of its radius; angle of a pixel
 };
 
-// Frame.mode
+// Fixed when a pipeline is made, so that no other world's arithmetic is in it: the sign of the
+// space's curvature, how it is looked at, and the sign of the space that she was born in.
+layout(constant_id = 1) const int kappa = 0;
+layout(constant_id = 2) const int mode = 0;
+layout(constant_id = 3) const int born_kappa = 0;
+
+// mode
 const int NATIVE = 0, TOURIST = 1, BORN = 2;
 
 // Kinds of Draw.shape.z

@@ -9,11 +9,6 @@
 
 #include "logmap.glsl"
 #include "frame.glsl"
-// 1: a plain Euclidean pipeline, whose compiler can forget all the rest; to measure what curvature
-// costs.
-layout(constant_id = 1) const int EUCLIDEAN = 0;
-#define kappa (EUCLIDEAN == 1 ? 0 : kappa)
-#define mode (EUCLIDEAN == 1 ? NATIVE : mode)
 #include "light.glsl"
 
 layout(push_constant) uniform Push {

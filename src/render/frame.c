@@ -54,16 +54,12 @@ static void rigid(struct ap_pose pose, float columns[16]) {
 
 struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer) {
     struct ap_gpu_frame frame = {
-        .kappa = viewer->space.kappa,
-        .mode = (int32_t)viewer->mode,
         .rho = (float)viewer->space.rho_m,
         .near = (float)NEAR_PLANE_M,
         .forbidden = (float)AP_NEAR_M,
         .forbidden_sine = (float)ap_space_sin(viewer->space, AP_NEAR_M / viewer->space.rho_m),
     };
-    struct ap_space born = ap_viewer_born(viewer);
-    frame.born_kappa = born.kappa;
-    frame.born_rho = (float)born.rho_m;
+    frame.born_rho = (float)ap_viewer_born(viewer).rho_m;
     for (int e = 0; e < 2; e++) {
         const struct ap_frustum *f = &viewer->eye[e].frustum;
         struct ap_gpu_view *view = &frame.view[e];

@@ -19,11 +19,9 @@ struct ap_gpu_view {
 struct ap_gpu_frame {
     struct ap_gpu_view view[2];
     float depth[2][4];
-    int32_t kappa, mode; // mode: enum ap_view_mode
     float rho, near;
     float forbidden, forbidden_sine;
-    int32_t born_kappa;
-    float born_rho;
+    float born_rho, unused[3];
     float lamp_light[4];
 };
 

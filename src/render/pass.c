@@ -17,6 +17,7 @@
 #include "shaders/part_single_guard.vert.spv.h"
 #include "src/render/mesh.h"
 #include "src/render/pipeline.h"
+#include "src/view/view.h"
 
 static const VkFormat DEPTH_FORMAT = VK_FORMAT_D32_SFLOAT;
 
@@ -120,7 +121,8 @@ static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *g
 
 static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu *gpu,
                                       const struct ap_pass_params *params, VkRenderPass render_pass,
-                                      const VkShaderModule shader[8], int kind, VkPipeline *made) {
+                                      const VkShaderModule shader[8], struct ap_world world,
+                                      int kind, VkPipeline *made) {
     static const VkVertexInputBindingDescription binding = {0, sizeof(struct ap_vertex),
                                                             VK_VERTEX_INPUT_RATE_VERTEX};
     static const VkVertexInputAttributeDescription attributes[2] = {
@@ -141,25 +143,26 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
         [AP_PIPELINE_BALLS] = {true, 2, 1},        [AP_PIPELINE_STICKS] = {true, 2, 2},
         [AP_PIPELINE_SHEETS] = {false, 2, 3},      [AP_PIPELINE_DISC] = {.shaders = 3}};
     int set = KIND[kind].shaders;
-    struct ap_pipeline_params pipeline = {.vertex = shader[2 * set],
-                                          .fragment = shader[2 * set + 1],
-                                          .fragment_constant = KIND[kind].draws,
-                                          .vertex_constant = params->euclidean,
-                                          .input = &input,
-                                          .width = params->width,
-                                          .height = params->height,
-                                          .samples = params->samples,
-                                          .cull = KIND[kind].closed ? VK_CULL_MODE_BACK_BIT
-                                                                    : VK_CULL_MODE_NONE,
-                                          .depth = true,
-                                          .blend = kind == AP_PIPELINE_DISC,
-                                          .layout = params->layout,
-                                          .render_pass = render_pass};
+    struct ap_pipeline_params pipeline = {
+        .vertex = shader[2 * set],
+        .fragment = shader[2 * set + 1],
+        .constant = {KIND[kind].draws, world.kappa, world.mode, world.born_kappa},
+        .input = &input,
+        .width = params->width,
+        .height = params->height,
+        .samples = params->samples,
+        .cull = KIND[kind].closed ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
+        .depth = true,
+        .blend = kind == AP_PIPELINE_DISC,
+        .layout = params->layout,
+        .render_pass = render_pass};
     return ap_pipeline_create(err, gpu, &pipeline, made);
 }
 
 static enum ap_status create_pipelines(struct ap_error *err, const struct ap_gpu *gpu,
-                                       const struct ap_pass_params *params, struct ap_pass *pass) {
+                                       const struct ap_pass_params *params, struct ap_world world,
+                                       const struct ap_pass *pass,
+                                       VkPipeline made[AP_PIPELINE_COUNT]) {
     static const struct {
         const uint32_t *words;
         size_t bytes;
@@ -185,7 +188,7 @@ static enum ap_status create_pipelines(struct ap_error *err, const struct ap_gpu
         st = ap_gpu_shader(err, gpu, code[pass->views - 1][i].words, code[pass->views - 1][i].bytes,
                            &shader[i]);
     for (int k = 0; st == AP_OK && k < AP_PIPELINE_COUNT; k++)
-        st = create_pipeline(err, gpu, params, pass->render_pass, shader, k, &pass->pipeline[k]);
+        st = create_pipeline(err, gpu, params, pass->render_pass, shader, world, k, &made[k]);
     for (int i = 0; i < 8; i++)
         vkDestroyShaderModule(gpu->device, shader[i], NULL);
     return st;
@@ -198,17 +201,34 @@ enum ap_status ap_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
     if (st == AP_OK)
         st = create_images(err, gpu, params, &made);
     if (st == AP_OK)
-        st = create_pipelines(err, gpu, params, &made);
-    if (st == AP_OK)
         *pass = made;
     else
         ap_pass_destroy(gpu, &made);
     return st;
 }
 
+// Of one space there are native, tourist and native-of three spaces: four of these for each sign.
+static int index_of(struct ap_world world) {
+    int way = world.mode == AP_VIEW_BORN ? 2 + (world.born_kappa < 0) : world.mode;
+    return 4 * (world.kappa + 1) + way;
+}
+
+enum ap_status ap_pass_pipelines(struct ap_error *err, const struct ap_gpu *gpu,
+                                 const struct ap_pass_params *params, struct ap_world world,
+                                 struct ap_pass *pass, const VkPipeline **pipelines) {
+    VkPipeline *all = pass->pipeline[index_of(world)];
+    enum ap_status st = AP_OK;
+    if (!all[AP_PIPELINE_COUNT - 1])
+        st = create_pipelines(err, gpu, params, world, pass, all);
+    if (st == AP_OK)
+        *pipelines = all;
+    return st;
+}
+
 void ap_pass_destroy(const struct ap_gpu *gpu, struct ap_pass *pass) {
-    for (int k = 0; k < AP_PIPELINE_COUNT; k++)
-        vkDestroyPipeline(gpu->device, pass->pipeline[k], NULL);
+    for (int w = 0; w < AP_WORLD_COUNT; w++)
+        for (int k = 0; k < AP_PIPELINE_COUNT; k++)
+            vkDestroyPipeline(gpu->device, pass->pipeline[w][k], NULL);
     vkDestroyFramebuffer(gpu->device, pass->framebuffer, NULL);
     vkDestroyRenderPass(gpu->device, pass->render_pass, NULL);
     ap_gpu_image_destroy(gpu, &pass->color);

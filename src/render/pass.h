@@ -19,12 +19,21 @@ enum ap_pipeline_kind {
     AP_PIPELINE_COUNT
 };
 
+// What the shaders are made for: a sign of curvature and a way of looking at it. Each has pipelines
+// of its own, since a software device runs both sides of every branch.
+enum { AP_WORLD_COUNT = 12 };
+struct ap_world {
+    int kappa, mode; // mode: enum ap_view_mode
+    int born_kappa;  // native-of
+};
+
 struct ap_pass {
     uint32_t views;
     VkRenderPass render_pass; // colour and depth, multisampled; the colour is read afterwards
     VkFramebuffer framebuffer;
     struct ap_gpu_image color, depth;
-    VkPipeline pipeline[AP_PIPELINE_COUNT];
+    // By world and way of looking; made when first needed.
+    VkPipeline pipeline[AP_WORLD_COUNT][AP_PIPELINE_COUNT];
 };
 
 struct ap_pass_params {
@@ -32,10 +41,13 @@ struct ap_pass_params {
     uint32_t width, height, views;
     VkSampleCountFlagBits samples;
     VkPipelineLayout layout;
-    bool euclidean; // ap_renderer_params
 };
 enum ap_status ap_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
                               const struct ap_pass_params *params, struct ap_pass *pass);
+// The pipelines for a world, made if this is the first time; NULL: they could not be.
+enum ap_status ap_pass_pipelines(struct ap_error *err, const struct ap_gpu *gpu,
+                                 const struct ap_pass_params *params, struct ap_world world,
+                                 struct ap_pass *pass, const VkPipeline **pipelines);
 void ap_pass_destroy(const struct ap_gpu *gpu, struct ap_pass *pass);
 
 #endif

@@ -6,8 +6,7 @@
 // A graphics pipeline for triangles, one colour attachment.
 struct ap_pipeline_params {
     VkShaderModule vertex, fragment;
-    int32_t fragment_constant; // of the fragment shader's constant_id 0, where it has one
-    int32_t vertex_constant;   // of the vertex shader's constant_id 1, where it has one
+    int32_t constant[4]; // of both shaders' constant_id 0 to 3, where they have them
     const VkPipelineVertexInputStateCreateInfo *input; // NULL: no vertex buffers
     uint32_t width, height;
     VkSampleCountFlagBits samples;

@@ -42,7 +42,8 @@ struct ap_renderer {
     VkCommandPool pool;
     VkQueryPool times; // two for each slot; none where the queue keeps no time
     uint64_t time_mask;
-    struct ap_pass pass[2]; // for one eye, for both; made when first needed
+    struct ap_pass pass[2];      // for one eye, for both; made when first needed
+    const VkPipeline *pipelines; // of the frame's pass and world
     struct ap_resolve resolve;
     struct slot slot[RING];
     unsigned frame;
@@ -254,9 +255,6 @@ enum ap_status ap_renderer_create(struct ap_error *err, const struct ap_gpu *gpu
     if (params->width == 0 || params->height == 0)
         return ap_fail(err, AP_USAGE, "the renderer was asked for pictures of %u by %u pixels",
                        params->width, params->height);
-    if (params->euclidean && scene->space.kappa != 0)
-        return ap_fail(err, AP_USAGE, "the Euclidean pipeline was asked for in %s",
-                       ap_space_name(scene->space));
     struct ap_renderer *r = calloc(1, sizeof *r);
     if (!r)
         return ap_fail(err, AP_ENVIRONMENT, "no memory for the renderer");
@@ -369,8 +367,7 @@ static bool goes_with(const struct ap_draw_item *item, const struct ap_draw_item
 }
 
 // Runs of equal meshes become one instanced draw.
-static void record_draws(const struct ap_renderer *r, const struct ap_pass *pass,
-                         const struct slot *slot, unsigned eyes) {
+static void record_draws(const struct ap_renderer *r, const struct slot *slot, unsigned eyes) {
     VkCommandBuffer cmd = slot->cmd;
     int bound = -1, buffers = -1;
     for (size_t i = 0, next; i < r->list.count; i = next) {
@@ -382,7 +379,7 @@ static void record_draws(const struct ap_renderer *r, const struct ap_pass *pass
                (r->list.order[next]->eyes & eyes))
             next++;
         if (bound != (int)item->pipeline)
-            vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, pass->pipeline[item->pipeline]);
+            vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, r->pipelines[item->pipeline]);
         if (buffers != item->refined)
             bind_meshes(r, slot, item->refined, cmd);
         bound = (int)item->pipeline;
@@ -412,30 +409,37 @@ static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
                             0, NULL);
     vkCmdPushConstants(slot->cmd, r->layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof first_eye,
                        &first_eye);
-    record_draws(r, pass, slot, pass->views == 2 ? 3 : 1u << first_eye);
+    record_draws(r, slot, pass->views == 2 ? 3 : 1u << first_eye);
     vkCmdEndRenderPass(slot->cmd);
 }
 
-static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r, bool both) {
+static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r,
+                                const struct ap_viewer *viewer, bool both) {
     struct ap_pass_params params = {r->params.color_format,
                                     r->across * r->params.width,
                                     r->across * r->params.height,
                                     both ? 2 : 1,
                                     r->samples,
-                                    r->layout,
-                                    r->params.euclidean};
-    if (r->pass[both].render_pass)
-        return AP_OK;
-    enum ap_status st = ap_pass_create(err, r->gpu, &params, &r->pass[both]);
-    if (st == AP_OK)
-        ap_resolve_read(r->gpu, &r->resolve, both, r->pass[both].color.view);
-    return st;
+                                    r->layout};
+    enum ap_status st = AP_OK;
+    if (!r->pass[both].render_pass) {
+        st = ap_pass_create(err, r->gpu, &params, &r->pass[both]);
+        if (st == AP_OK)
+            ap_resolve_read(r->gpu, &r->resolve, both, r->pass[both].color.view);
+    }
+    const struct ap_world world = {viewer->space.kappa, (int)viewer->mode,
+                                   ap_viewer_born(viewer).kappa};
+    return st == AP_OK
+               ? ap_pass_pipelines(err, r->gpu, &params, world, &r->pass[both], &r->pipelines)
+               : st;
 }
 
-static enum ap_status record(struct ap_error *err, struct ap_renderer *r, unsigned closed_eyes,
-                             const struct ap_target *target, struct slot *slot) {
+static enum ap_status record(struct ap_error *err, struct ap_renderer *r,
+                             const struct ap_frame_input *input, const struct ap_target *target,
+                             struct slot *slot) {
+    unsigned closed_eyes = input->closed_eyes;
     bool both = r->multiview && closed_eyes == 0;
-    enum ap_status st = need_pass(err, r, both);
+    enum ap_status st = need_pass(err, r, &input->viewer, both);
     for (int e = 0; st == AP_OK && e < 2; e++)
         st = bind_target(err, r, target, slot, e);
     if (st != AP_OK)
@@ -557,7 +561,7 @@ enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
     st = place(err, r, input, slot);
     int64_t t2 = now(r);
     if (st == AP_OK)
-        st = record(err, r, input->closed_eyes, target, slot);
+        st = record(err, r, input, target, slot);
     if (st != AP_OK)
         return st;
     int64_t t3 = now(r);

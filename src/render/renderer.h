@@ -27,9 +27,6 @@ struct ap_renderer_params {
     uint32_t decal_px, decal_count;
     bool no_multiview;          // one pass for each eye; what a software device gets anyway, unless
     bool multiview_in_software; // …the test that proves the two ways equal asks for it
-    // e3 in native view only: shaders without any of the rest, as a renderer that knows no curvature
-    // has them; to measure what curvature costs.
-    bool euclidean;
     // Leave nothing out: every part and image for both eyes, all cells within the horizon, whether
     // an eye can see any of it or not. The pictures stay the same; for tests and to compare the
     // work. An eye that is shut stays so.
@@ -61,6 +58,7 @@ struct ap_frame_input {
 struct ap_eye_stats {
     uint32_t draws;               // parts·images drawn that this eye may see
     uint32_t culled;              // parts·images that it cannot see
+    uint32_t turned_away;         // of `culled`, those that it would only see the back of
     uint32_t back_draws;          // of `draws`, those of s3's back hemisphere
     uint64_t triangles, vertices; // mapped for it
 };

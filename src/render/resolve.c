@@ -106,7 +106,7 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
     if (st == AP_OK) {
         struct ap_pipeline_params params = {.vertex = vertex,
                                             .fragment = fragment,
-                                            .fragment_constant = r->samples + 256 * r->across,
+                                            .constant = {r->samples + 256 * r->across},
                                             .width = r->width,
                                             .height = r->height,
                                             .samples = VK_SAMPLE_COUNT_1_BIT,
