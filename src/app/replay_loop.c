@@ -150,6 +150,7 @@ static void count_views(struct ap_replay_totals *totals, const struct ap_frame_s
         const struct ap_eye_stats *s = &stats->eye[eye];
         totals->draws += s->draws;
         totals->culled += s->culled;
+        totals->turned_away += s->turned_away;
         totals->back_draws += s->back_draws;
         totals->triangles += s->triangles;
         totals->vertices += s->vertices;

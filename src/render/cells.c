@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "src/base/log.h"
+#include "src/view/cull.h"
 
 enum { UNKNOWN = -1, NONE_HOLDS = -2 };
 static const double PI = 3.14159265358979323846;
@@ -134,6 +135,27 @@ static float hand_brightness(const struct frame *f, const struct ap_seen_cell *c
     return (float)fmin(1, fmax(0, size / sin(f->least_rad) - 1));
 }
 
+// Whether no eye sees more than the back of it; counts it.
+static bool turned_away(const struct frame *f, const struct ap_place *place,
+                        const struct ap_shape *shape, double bulge_m, struct ap_draw_item *item) {
+    const struct ap_space space = f->viewer->space;
+    if (f->what->no_cull || !shape->out_count || !item->eyes)
+        return false;
+    struct ap_iso part_from_nose = ap_iso_inverse(space, item->nose_from_part);
+    const struct ap_vec4 base = {0, 0, 0, space.rho_m};
+    const struct ap_facing facing = {.nose = ap_iso_apply(&part_from_nose, base),
+                                     .out = shape->out,
+                                     .count = shape->out_count,
+                                     .near_m = place->near_m,
+                                     .far_m = place->far_m,
+                                     .bulge_m = bulge_m};
+    if (!ap_turned_away(f->viewer, f->eyes->reach_m, &facing, item->image))
+        return false;
+    for (int e = 0; e < 2; e++)
+        f->list->stats.eye[e].turned_away += item->eyes >> e & 1;
+    return true;
+}
+
 static enum ap_status add(struct ap_error *err, const struct frame *f,
                           const struct ap_seen_cell *cell, size_t index) {
     const struct ap_part *part = &f->scene->parts[index];
@@ -162,7 +184,10 @@ static enum ap_status add(struct ap_error *err, const struct frame *f,
         place.near_m = fmax(0, d - reach_m);
         place.far_m = space.kappa > 0 ? fmin(d + reach_m, PI * rho) : d + reach_m;
     }
-    item.mesh = f->meshes->shapes[f->meshes->shape_of_part[index]].mesh[0];
+    const struct ap_shape *shape = &f->meshes->shapes[f->meshes->shape_of_part[index]];
+    if (turned_away(f, &place, shape, part->radius_m, &item))
+        item.eyes = 0;
+    item.mesh = shape->mesh[0];
     item.pipeline = pipeline_of(f, part, ap_needs_guard(f->viewer, f->eyes, &place));
     enum ap_status st = item.eyes ? choose_mesh(err, f, cell, near_cell, &place, &item) : AP_OK;
     if (st)

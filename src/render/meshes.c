@@ -47,6 +47,32 @@ static enum ap_status add_polygon(struct ap_error *err, struct ap_space space,
     return st;
 }
 
+// Where a piece of a cell faces, by the corners of its coarsest mesh.
+static void find_facing(const struct ap_part *part, const struct ap_solid *solid,
+                        struct ap_shape *shape) {
+    if (!part->one_sided || part->form == AP_FORM_FACETS)
+        return;
+    if (part->form == AP_FORM_PLANE) {
+        shape->out[shape->out_count++] = (struct ap_vec3){0, 1, 0};
+        return;
+    }
+    for (size_t i = 0; i < solid->vertex_count; i++) {
+        const float *p = solid->positions + 3 * i;
+        struct ap_vec3 v = {part->form == AP_FORM_TUBE ? 0 : p[0], p[1], p[2]};
+        v = ap_vec3_normalize(v);
+        bool known = false;
+        for (int k = 0; k < shape->out_count; k++)
+            known = known || ap_vec3_dot(v, shape->out[k]) > 1 - 1e-9;
+        if (known)
+            continue;
+        if (shape->out_count == AP_OUT_MAX) {
+            shape->out_count = 0;
+            return;
+        }
+        shape->out[shape->out_count++] = v;
+    }
+}
+
 static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *scene,
                                 const struct ap_part *part, struct ap_mesh_data *data,
                                 struct ap_shape *shape) {
@@ -83,6 +109,7 @@ static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *sce
             shape->grain[k] = solid->turn_rad;
             shape->step_m[k] = solid->longest_m;
         }
+        find_facing(part, &scene->solids[part->solid], shape);
         return st;
     }
     return ap_fail(err, AP_INPUT, "a part of an unknown kind %d", (int)part->kind);

@@ -7,7 +7,7 @@
 // Every mesh that a scene may need, on the GPU: equal shapes are made once, each in several levels
 // of detail, coarse before fine.
 
-enum { AP_LEVELS_MAX = 12 };
+enum { AP_LEVELS_MAX = 12, AP_OUT_MAX = 12 };
 
 struct ap_shape {
     int levels;
@@ -16,6 +16,9 @@ struct ap_shape {
     // polygons, the longest edge in metres.
     double grain[AP_LEVELS_MAX];
     double step_m[AP_LEVELS_MAX]; // sticks: between rings
+    // One-sided solids with a form: the corners of where they face (ap_facing); count 0: anywhere.
+    struct ap_vec3 out[AP_OUT_MAX];
+    int out_count;
 };
 
 struct ap_meshes {

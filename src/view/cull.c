@@ -390,3 +390,26 @@ unsigned ap_visible_eyes(const struct ap_viewer *viewer, const struct ap_bounds 
     }
     return seen;
 }
+
+bool ap_turned_away(const struct ap_viewer *viewer, double eye_m, const struct ap_facing *facing,
+                    int image) {
+    const struct ap_space space = {viewer->space.kappa, 1};
+    double rho = viewer->space.rho_m, least = INFINITY, sign = image ? 1 : -1;
+    const struct ap_vec3 nose = {facing->nose.x, facing->nose.y, facing->nose.z};
+    if (facing->count == 0 || viewer->mode == AP_VIEW_BORN)
+        return false;
+    for (int i = 0; i < facing->count; i++)
+        least = fmin(least, sign * ap_vec3_dot(nose, facing->out[i]) / rho);
+    if (!(least > 0))
+        return false;
+    double apart = 2 * eye_m / rho, far = facing->far_m / rho, near = facing->near_m / rho;
+    if (space.kappa > 0) // lengths across the line of sight are stretched: h or more
+        return far < M_PI - 0.3 && (!image || near > 0.3) &&
+               asin(fmin(least, 1)) - facing->bulge_m / rho > apart;
+    // How far a plane passes that touches the image at the distance `far`, where it is least: the
+    // normal's part along the line of sight is S(h)/S(far), the rest counts S(far)/far times in
+    // tangent space.
+    double reach = ap_space_sin(space, far), c = fmin(least / reach, 1), stretch = reach / far;
+    double plane = far * c / sqrt(c * c + (1 - c * c) * stretch * stretch);
+    return plane > apart;
+}

@@ -17,4 +17,19 @@ struct ap_bounds {
 // Bit e set: eye e may see it in this image (0; 1 in s3).
 unsigned ap_visible_eyes(const struct ap_viewer *viewer, const struct ap_bounds *bounds, int image);
 
+// Whether both eyes see nothing but the back of a surface. Its outward normals, where they meet the
+// part's place (or its axis), are unit vectors in the convex hull of `out` (part's axes); nose: in
+// the part's coordinates, metres. Points of it lie near_m…far_m from the nose, and at most bulge_m
+// outside the planes through the part's place. Conservative: the planes that touch the surface's
+// image in tangent space pass the nose at twice the eyes' distance, which leaves facets room to be
+// tilted. False in native-of view, and near s3's antipode.
+struct ap_facing {
+    struct ap_vec4 nose;
+    const struct ap_vec3 *out;
+    int count; // 0: nothing is known
+    double near_m, far_m, bulge_m;
+};
+bool ap_turned_away(const struct ap_viewer *viewer, double eye_m, const struct ap_facing *facing,
+                    int image);
+
 #endif
