@@ -135,25 +135,37 @@ static float hand_brightness(const struct frame *f, const struct ap_seen_cell *c
     return (float)fmin(1, fmax(0, size / sin(f->least_rad) - 1));
 }
 
+static struct ap_vec4 nose_in_part(const struct frame *f, const struct ap_draw_item *item) {
+    const struct ap_space space = f->viewer->space;
+    struct ap_iso part_from_nose = ap_iso_inverse(space, item->nose_from_part);
+    return ap_iso_apply(&part_from_nose, (struct ap_vec4){0, 0, 0, space.rho_m});
+}
+
 // Whether no eye sees more than the back of it; counts it.
 static bool turned_away(const struct frame *f, const struct ap_place *place,
-                        const struct ap_shape *shape, double bulge_m, struct ap_draw_item *item) {
-    const struct ap_space space = f->viewer->space;
-    if (f->what->no_cull || !shape->out_count || !item->eyes)
-        return false;
-    struct ap_iso part_from_nose = ap_iso_inverse(space, item->nose_from_part);
-    const struct ap_vec4 base = {0, 0, 0, space.rho_m};
-    const struct ap_facing facing = {.nose = ap_iso_apply(&part_from_nose, base),
+                        const struct ap_shape *shape, struct ap_vec4 nose, double bulge_m,
+                        const struct ap_draw_item *item) {
+    const struct ap_facing facing = {.nose = nose,
                                      .out = shape->out,
                                      .count = shape->out_count,
                                      .near_m = place->near_m,
                                      .far_m = place->far_m,
                                      .bulge_m = bulge_m};
-    if (!ap_turned_away(f->viewer, f->eyes->reach_m, &facing, item->image))
+    if (f->what->no_cull || !ap_turned_away(f->viewer, f->eyes->reach_m, &facing, item->image))
         return false;
     for (int e = 0; e < 2; e++)
         f->list->stats.eye[e].turned_away += item->eyes >> e & 1;
     return true;
+}
+
+// How near anything of it comes to the nose, by the plane that a wall lies in or the line that a
+// strut is about.
+static double clearance(struct ap_space space, const struct ap_part *part, struct ap_vec4 nose) {
+    double s = part->form == AP_FORM_PLANE  ? fabs(nose.y) / space.rho_m
+               : part->form == AP_FORM_TUBE ? hypot(nose.y, nose.z) / space.rho_m
+                                            : 0;
+    double t = space.kappa > 0 ? asin(fmin(s, 1)) : space.kappa < 0 ? asinh(s) : s;
+    return t * space.rho_m - (part->form == AP_FORM_TUBE ? part->radius_m : 0);
 }
 
 static enum ap_status add(struct ap_error *err, const struct frame *f,
@@ -185,8 +197,15 @@ static enum ap_status add(struct ap_error *err, const struct frame *f,
         place.far_m = space.kappa > 0 ? fmin(d + reach_m, PI * rho) : d + reach_m;
     }
     const struct ap_shape *shape = &f->meshes->shapes[f->meshes->shape_of_part[index]];
-    if (turned_away(f, &place, shape, part->radius_m, &item))
-        item.eyes = 0;
+    if (item.eyes && shape->out_count) {
+        struct ap_vec4 nose = nose_in_part(f, &item);
+        double clear = near_cell ? clearance(space, part, nose) : 0;
+        place.near_m = fmax(place.near_m, clear);
+        if (space.kappa > 0)
+            place.far_m = fmin(place.far_m, PI * rho - clear);
+        if (turned_away(f, &place, shape, nose, part->radius_m, &item))
+            item.eyes = 0;
+    }
     item.mesh = shape->mesh[0];
     item.pipeline = pipeline_of(f, part, ap_needs_guard(f->viewer, f->eyes, &place));
     enum ap_status st = item.eyes ? choose_mesh(err, f, cell, near_cell, &place, &item) : AP_OK;

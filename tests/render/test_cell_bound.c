@@ -266,7 +266,7 @@ int main(int argc, char **argv) {
                 look_from(&world, BOUNDS[b], &t);
             // A frame's triangles may run out, at 0.05 px and, near the antipode of s3, at 0.25 px
             // too. That is counted, and still all is within 0.25 px.
-            long may_run_out = strstr(SCENES[s].name, "4,3,3") ? t.places / 4 : 0;
+            long may_run_out = strstr(SCENES[s].name, "4,3,3") ? t.places / 2 : 0;
             bool bad = !(t.worst_px <= BOUNDS[b]) || !(t.over_px <= 0.25) || t.points < 1000 ||
                        t.refined == 0 || (t.beyond > may_run_out && b == 0) ||
                        (t.beyond > t.places / 20 && s == 0);
