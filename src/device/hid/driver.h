@@ -118,6 +118,9 @@ struct ap_driver {
     // The number of steps; may be NULL: the device reports by itself.
     int (*start)(const struct ap_device_info *info,
                  struct ap_driver_step steps[AP_DRIVER_STEPS_MAX]);
+    // After a report: what to send because of it, as data (the next question); its wait and repeat
+    // do not count. False: nothing. May be NULL.
+    bool (*ask)(void *state, struct ap_driver_step *step);
     // One input report as hidraw gives it, received at t_ns (never before the report before it).
     // samples->count is 0 on entry.
     enum ap_report_verdict (*parse)(void *state, const struct ap_device_info *info, int64_t t_ns,

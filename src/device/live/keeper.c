@@ -216,6 +216,7 @@ static void begin_reading(struct live_slot *slot) {
         l->started(l->user, slot->index, &slot->about.place, &slot->feed->info, now_ns);
     pthread_mutex_lock(&slot->bus->lock);
     ap_feed_begin(slot->feed);
+    slot->has_asked = false;
     for (int i = 0; i < AP_LIVE_TRACKERS_MAX; i++)
         if (slot->tracker[i])
             ap_history_reset(&slot->tracker[i]->history);
@@ -223,6 +224,17 @@ static void begin_reading(struct live_slot *slot) {
     slot->rate_reports = slot->about.reports;
     slot->is_reading = true;
     pthread_mutex_unlock(&slot->bus->lock);
+}
+
+// What an answer that the reader has seen calls for.
+static void take_asked(struct live_slot *slot) {
+    pthread_mutex_lock(&slot->bus->lock);
+    struct ap_driver_step step = slot->asked;
+    bool has_asked = slot->has_asked;
+    slot->has_asked = false;
+    pthread_mutex_unlock(&slot->bus->lock);
+    if (has_asked)
+        take_step(slot, &step);
 }
 
 // Two interfaces of one device: plugged in at the same place, but for what stands behind the last
@@ -260,6 +272,7 @@ static void repeat_step(struct live_slot *slot, int i) {
 // calibration that the driver begins with.
 static int64_t take_steps(struct live_slot *slot) {
     int64_t next_ns = INT64_MAX;
+    take_asked(slot);
     while (slot->step_at < slot->step_count) {
         const struct ap_driver_step *step = &slot->steps[slot->step_at];
         int64_t due_ns = slot->due_ns[slot->step_at];

@@ -158,6 +158,11 @@ void live_slot_report(struct live_slot *slot, int64_t arrival_ns, const uint8_t 
     for (int i = 0; i < fed.samples.count; i++)
         take_sample(slot, &fed.samples.at[i], fed.t_ns[i], fed.restarted, true);
     slot->about.lost = slot->feed->lost;
+    const struct ap_driver *driver = slot->feed->driver;
+    if (driver && driver->ask && driver->ask(slot->feed->state, &slot->asked)) {
+        slot->has_asked = true; // one question at a time: an answer comes before the next
+        slot->bus->way.io->rouse(slot->bus->way.bus); // the keeper sends it
+    }
 }
 
 void live_slot_lose(struct live_slot *slot, int64_t now_ns) {

@@ -54,6 +54,8 @@ struct live_slot {
     void *device; // NULL: not open
     struct ap_feed *feed;
     struct live_tracker *tracker[AP_LIVE_TRACKERS_MAX];
+    bool has_asked; // the driver wants this sent
+    struct ap_driver_step asked;
     int64_t rate_since_ns, rate_reports;
     // The keeper's own.
     bool seen;               // in the list that is being gone through

@@ -60,7 +60,7 @@ static void test_crc(void **unused) {
     // What turns an XREAL Air's stream on, as its own program sends it.
     static const uint8_t on[] = {0xaa, 0xc5, 0xd1, 0x21, 0x42, 4, 0, 0x19, 1, 0};
     uint8_t command[AP_XREAL_COMMAND];
-    ap_xreal_command(command, 0x19, 1);
+    ap_xreal_command(command, 0x19, (const uint8_t[]){1}, 1);
     assert_memory_equal(command, on, sizeof on);
 }
 
@@ -184,6 +184,79 @@ static void test_xreal_packet(void **unused) {
     assert_int_equal(ap_xreal_parse(b, 64, &p), AP_REPORT_BAD);
     b[0] = 0xaa;
     assert_int_equal(ap_xreal_parse(b, 64, &p), AP_REPORT_IGNORED);
+}
+
+static const struct ap_driver *plug_xreal_and_answer(const char *config, size_t piece) {
+    const struct ap_driver *driver = plug(3, 0x3318, 0x0424);
+    struct ap_driver_step step;
+    uint8_t b[64] = {0xaa, [5] = 7, [7] = AP_XREAL_CONFIG_LENGTH};
+    size_t left = strlen(config);
+    put16(b + 8, (int)left);
+    assert_false(driver->ask(&state, &step));
+    while (left > 0) {
+        size_t n = piece < left ? piece : left;
+        assert_int_equal(driver->parse(&state, &info, 0, b, sizeof b, &samples), AP_REPORT_IGNORED);
+        assert_true(driver->ask(&state, &step));
+        assert_int_equal(step.bytes[8], AP_XREAL_CONFIG_NEXT);
+        assert_false(driver->ask(&state, &step)); // once
+        memset(b, ' ', sizeof b);
+        b[0] = 0xaa;
+        put16(b + 5, 3 + (int)n);
+        b[7] = AP_XREAL_CONFIG_NEXT;
+        memcpy(b + 8, config, n);
+        config += n;
+        left -= n;
+    }
+    driver->parse(&state, &info, 0, b, sizeof b, &samples);
+    assert_true(driver->ask(&state, &step));
+    assert_int_equal(step.bytes[8], AP_XREAL_STREAM);
+    assert_int_equal(step.bytes[9], 1);
+    return driver;
+}
+
+// What is left of a rate of 0 once the bias is taken away.
+static struct ap_vec3 rate_at_nothing(const struct ap_driver *driver) {
+    uint8_t b[64] = {1, 2, [12] = 1, [16] = 0x80, [27] = 16, [31] = 0x80};
+    put24(b + 39, 0x800000 / 16);
+    samples.count = 0;
+    assert_int_equal(driver->parse(&state, &info, 0, b, sizeof b, &samples), AP_REPORT_OK);
+    assert_true(samples.at[0].gyro_rad_s.x == 0);
+    return samples.at[0].angular_velocity_rad_s;
+}
+
+// The factory's biases are found wherever the text is cut, and only where they belong.
+static void test_xreal_config(void **unused) {
+    (void)unused;
+    static const char config[] =
+        "{\"a\": [{\"IMU\": {\"device_1\": {\"gyro_bias\": [9,9,9]}}}, \"}\\\"\"],\n"
+        " \"IMU\": {\"device_2\": {\"gyro_bias\": [8, 8, 8]}, \"device_1\": {\"accel_bias\": "
+        "[0.125,-0.25, 0.5], \"gyro_bias\" :[ 0.01, -2e-2, 0.03 ], \"x\": {\"gyro_bias\": [7,7,7]},"
+        "\"scale\": [1,1,1]}}, \"gyro_bias\": [6, 6, 6]}";
+    for (size_t piece = 1; piece <= 56; piece++) {
+        struct ap_vec3 w = rate_at_nothing(plug_xreal_and_answer(config, piece));
+        // Theirs are x right, y down, z ahead. The fusion's own estimate is in it, too.
+        close_to("x", w.x, -0.01, 2e-5);
+        close_to("y", w.y, -0.02, 2e-5);
+        close_to("z", w.z, 0.03, 2e-5);
+    }
+    static const char *const none[] = {
+        "{}",
+        "no JSON",
+        "{\"IMU\":{\"device_1\":{\"accel_bias\":[0,0,0]}}}",
+        "{\"IMU\":{\"device_1\":{\"accel_bias\":[0,0,0],\"gyro_bias\":[0.1,0.1]}}}",
+        "{\"IMU\":{\"device_1\":{\"accel_bias\":[0,0,0],\"gyro_bias\":[0.1,\"a\",0.1]}}}",
+        "{\"IMU\":{\"device_1\":{\"accel_bias\":[0,0,0],\"gyro_bias\":[0.1,0.1,1e9]}}}",
+        "{\"IMU\":{\"device_1\":{\"accel_bias\":[0,0,0],\"gyro_bias\":[[0.1,0.1,0.1]]}}}",
+    };
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+        struct ap_vec3 w = rate_at_nothing(plug_xreal_and_answer(none[i], 56));
+        if (ap_vec3_length(w) > 2e-5)
+            fail_msg("'%s' gave a bias of %g %g %g", none[i], -w.x, -w.y, -w.z);
+    }
+    // What somebody has measured goes before.
+    info.bias.gyr_rad_s.x = 0.5;
+    close_to("x", rate_at_nothing(plug_xreal_and_answer(config, 56)).x, -0.5, 1e-3);
+    info.bias.gyr_rad_s.x = 0;
 }
 
 // The device's clock: repeated stamps say nothing, a jump of a day begins anew.
@@ -314,6 +387,7 @@ int main(void) {
         cmocka_unit_test(test_playstation_packets),
         cmocka_unit_test(test_calibration),
         cmocka_unit_test(test_xreal_packet),
+        cmocka_unit_test(test_xreal_config),
         cmocka_unit_test(test_clock_jump),
         cmocka_unit_test(test_random_packets),
         cmocka_unit_test(test_dualsense_recording),

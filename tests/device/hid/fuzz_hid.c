@@ -119,6 +119,9 @@ static void take_part(int part, const char *text, size_t len, const struct ap_dr
         enum ap_report_verdict verdict =
             (*driver)->parse(&state, &info, part * INT64_C(30000000), exact, n, &samples);
         require(verdict != AP_REPORT_BAD || samples.why[0], "a sentence with what is bad");
+        struct ap_driver_step step;
+        if ((*driver)->ask && (*driver)->ask(&state, &step))
+            require(step.len <= AP_DRIVER_STEP_BYTES, "length of a question");
         if (verdict == AP_REPORT_OK)
             check_samples(&samples);
         if (verdict == AP_REPORT_OK && samples.count)
@@ -187,6 +190,11 @@ int main(int argc, char **argv) {
          " 00 00 00 00 00 00 00 00 00 00 00 00 00/01 02 00 00 80 84 1e 00 00 00 00 00 d0 07 00"
          " 00 80 00 10 00 00 20 00 00 30 00 00 10 00 00 00 80 00 00 00 00 00 00 00 00 00 08 00"
          " 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00/aa 00"),
+        // {"IMU":{"device_1":{"gyro_bias":[0,0,1],"accel_bias":[0,1]
+        ("3318 0424 0003//aa 00 00 00 00 07 00 14 60 00 00 00/aa 00 00 00 00 27 00 15 7b 22 49 4d"
+         " 55 22 3a 7b 22 64 65 76 69 63 65 5f 31 22 3a 7b 22 67 79 72 6f 5f 62 69 61 73 22 3a 5b"
+         "/aa 00 00 00 00 1b 00 15 30 2c 30 2c 31 5d 2c 22 61 63 63 65 6c 5f 62 69 61 73 22 3a 5b"
+         " 30 2c/aa 00 00 00 00 07 00 15 31 5d 7d 7d"),
         ("057e 2007 0005//21 00 00 00 00 00 00 00 00 00 00 00 00 00 10 20 60 00 00 18 00 00 00"
          " 00 00 00 00 40 00 40 00 40 00 00 00 00 00 00 3b 34 3b 34 3b 34 00 00 00 00 00/30 00"
          " 80 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 10 10 00 20 00 30 00 00 00 00 00 00"

@@ -364,6 +364,51 @@ static void test_many(void **state) {
     end(&w);
 }
 
+static void answer(struct world *w, int d, uint8_t command, const char *text) {
+    uint8_t bytes[64] = {0xaa, [5] = (uint8_t)(3 + strlen(text)), [7] = command};
+    memcpy(bytes + 8, text, strlen(text));
+    if (command == 0x14)
+        put16(bytes + 5, 7), bytes[8] = 80, bytes[9] = bytes[10] = bytes[11] = 0;
+    step(w, MS);
+    fake_send(w->fake, d, bytes, sizeof bytes);
+    settle(w); // the reader, and behind it the keeper
+    settle(w);
+}
+
+static void expect_sent(struct world *w, int d, int count, uint8_t command) {
+    assert_int_equal(w->fake->devices[d].sent_count, count);
+    assert_int_equal(w->fake->devices[d].sent[count - 1].bytes[8], command);
+}
+
+// A device that is asked for its calibration, piece by piece, each answer calling for the next.
+static void test_questions(void **state) {
+    (void)state;
+    struct world w = begin(NULL);
+    int d = plug_xreal(w.fake, "X");
+    settle(&w);
+    expect_sent(&w, d, 1, 0x19); // off
+    step(&w, 60 * MS);
+    settle(&w);
+    expect_sent(&w, d, 2, 0x14);
+    answer(&w, d, 0x14, "");
+    expect_sent(&w, d, 3, 0x15);
+    answer(&w, d, 0x15, "{\"IMU\":{\"device_1\":{\"gyro_bias\":[0.01,0,");
+    expect_sent(&w, d, 4, 0x15);
+    answer(&w, d, 0x15, "0],\"accel_bias\":[0,0,0]}}}                 ");
+    expect_sent(&w, d, 5, 0x19); // on
+    for (int i = 0; i < 3; i++) {
+        step(&w, MS);
+        send_xreal(w.fake, d, (1000 + i) * MS, 0);
+        settle(&w);
+    }
+    expect_near("rate", ap_live_at(w.live, AP_LIVE_HEAD, w.now_ns).angular_rad_s.x, -0.01, 2e-5);
+    step(&w, 1500 * MS); // on in any case, and then nothing more
+    settle(&w);
+    expect_sent(&w, d, 6, 0x19);
+    assert_int_equal(device_at(&w, 0).state, AP_LIVE_RUNNING);
+    end(&w);
+}
+
 // The reader is away for 300 ms; a device with a clock has 63 reports of the beginning queued.
 static void test_stall_with_clock(void **state) {
     (void)state;
@@ -689,6 +734,7 @@ int main(void) {
         cmocka_unit_test(test_flight),
         cmocka_unit_test(test_position),
         cmocka_unit_test(test_start),
+        cmocka_unit_test(test_questions),
         cmocka_unit_test(test_hydra),
         cmocka_unit_test(test_assignments),
     };

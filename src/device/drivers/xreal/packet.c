@@ -1,5 +1,7 @@
 #include "src/device/drivers/xreal/xreal.h"
 
+#include <string.h>
+
 #include "src/device/drivers/bytes.h"
 #include "src/device/drivers/fused.h"
 
@@ -36,14 +38,28 @@ enum ap_report_verdict ap_xreal_parse(const uint8_t *bytes, size_t len,
                : AP_REPORT_BAD;
 }
 
-void ap_xreal_command(uint8_t bytes[AP_XREAL_COMMAND], uint8_t command, uint8_t payload) {
-    for (int i = 0; i < AP_XREAL_COMMAND; i++)
-        bytes[i] = 0;
-    bytes[0] = 0xaa;
-    bytes[5] = 4; // the length: of itself, the command and the payload
-    bytes[7] = command;
-    bytes[8] = payload;
-    uint32_t crc = ap_crc32(0, bytes + 5, 4);
+// Head, check sum, length (of itself, the command and the payload), command, payload.
+enum { HEAD = 0xaa, LENGTH = 5, COMMAND = 7, PAYLOAD = 8, LENGTH_OF_NONE = PAYLOAD - LENGTH };
+
+void ap_xreal_command(uint8_t bytes[AP_XREAL_COMMAND], uint8_t command, const uint8_t *payload,
+                      size_t len) {
+    memset(bytes, 0, AP_XREAL_COMMAND);
+    bytes[0] = HEAD;
+    bytes[LENGTH] = (uint8_t)(LENGTH_OF_NONE + len);
+    bytes[COMMAND] = command;
+    for (size_t i = 0; i < len; i++)
+        bytes[PAYLOAD + i] = payload[i];
+    uint32_t crc = ap_crc32(0, bytes + LENGTH, LENGTH_OF_NONE + len);
     for (int i = 0; i < 4; i++)
         bytes[1 + i] = (uint8_t)(crc >> 8 * i);
+}
+
+bool ap_xreal_parse_answer(const uint8_t *bytes, size_t len, struct ap_xreal_answer *answer) {
+    if (len < PAYLOAD || bytes[0] != HEAD)
+        return false;
+    size_t length = ap_u16le(bytes + LENGTH);
+    if (length < LENGTH_OF_NONE || LENGTH + length > len)
+        return false;
+    *answer = (struct ap_xreal_answer){bytes[COMMAND], bytes + PAYLOAD, length - LENGTH_OF_NONE};
+    return true;
 }

@@ -17,8 +17,25 @@ struct ap_xreal_packet {
 enum ap_report_verdict ap_xreal_parse(const uint8_t *bytes, size_t len,
                                       struct ap_xreal_packet *packet);
 
-// A command with one byte of payload.
-void ap_xreal_command(uint8_t bytes[AP_XREAL_COMMAND], uint8_t command, uint8_t payload);
+// What the glasses are told and asked; they answer with the same number.
+enum {
+    AP_XREAL_CONFIG_LENGTH = 0x14, // the answer: 4 bytes
+    AP_XREAL_CONFIG_NEXT = 0x15,   // the next piece of the text
+    AP_XREAL_STREAM = 0x19,        // one byte: on, off
+};
+
+// A command with `len` bytes of payload, at most 8.
+void ap_xreal_command(uint8_t bytes[AP_XREAL_COMMAND], uint8_t command, const uint8_t *payload,
+                      size_t len);
+
+struct ap_xreal_answer {
+    uint8_t command;
+    const uint8_t *payload; // into the report
+    size_t len;
+};
+
+// False: the report is no answer, or says that it is longer than it is.
+bool ap_xreal_parse_answer(const uint8_t *bytes, size_t len, struct ap_xreal_answer *answer);
 
 extern const struct ap_driver ap_driver_xreal;
 
