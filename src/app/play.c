@@ -29,7 +29,8 @@ static const char help[] =
     "ends it. With a LOG the simulated headset replays it in real time instead of listening to the\n"
     "keys. Trackers that are plugged in move head and hands by themselves (antipode devices lists\n"
     "them), the keys what has none; R or a button of theirs makes where everybody looks the front.\n"
-    "Detail is chosen for 30 frames a second, and said, unless the settings say full.\n" AP_LOG_HELP;
+    "Detail is chosen for 30 frames a second, and said, unless the settings say full.\n" AP_LOG_HELP
+    "\n" AP_ROOM_HELP;
 
 static volatile sig_atomic_t signalled;
 

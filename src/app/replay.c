@@ -23,7 +23,8 @@ static const char help[] =
     "clock: every frame is stepped, the chosen ones are drawn and captured. DIR gets the stereo\n"
     "pairs, side-by-side and red-cyan pictures, a contact sheet, frames.csv, views.csv, timing.csv,\n"
     "vergence.csv and index.html, a page to open in a browser. All but timing.csv is the same byte\n"
-    "for byte in two runs. Ctrl-C ends it early; what was written stays whole.\n" AP_LOG_HELP;
+    "for byte in two runs. Ctrl-C ends it early; what was written stays whole.\n" AP_LOG_HELP
+    "\n" AP_ROOM_HELP;
 
 struct options {
     struct ap_room_options room;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "src/base/log.h"
 #include "src/base/number.h"
@@ -37,6 +38,12 @@ static enum ap_status open_scene(struct ap_error *err, const struct ap_room_opti
     };
     if (o->scene && ap_scene_is_named(o->scene))
         return ap_scene_named(err, o->scene, &params, scene);
+    if (o->scene && access(o->scene, F_OK) != 0 && !strchr(o->scene, '/'))
+        return ap_fail(
+            err, AP_INPUT,
+            "--scene %s: neither a file that is there nor the name of a scene: these are " AP_SCENE_QUOTIENTS
+            ", honeycomb:P,Q,R of " AP_SCENE_SYMBOLS,
+            o->scene);
     return o->scene ? ap_scene_read(err, o->scene, &params, scene)
                     : ap_scene_billiards(err, &params, scene);
 }

@@ -29,6 +29,13 @@ struct ap_room_options {
                               .max_error_px = NAN,                                                 \
                               .samples = NAN})
 
+// A paragraph for --help of a command with these options.
+#define AP_ROOM_HELP                                                                               \
+    "Scenes with a name, for --scene (docs/honeycombs.md):\n"                                      \
+    "  " AP_SCENE_QUOTIENTS "\n"                                                                   \
+    "  honeycomb:P,Q,R of " AP_SCENE_SYMBOLS "\n"                                                  \
+    "and after the name: " AP_SCENE_WORDS
+
 // The options' table entries, for a command that takes them.
 #define AP_ROOM_OPTION_TABLE(o)                                                                    \
     {"space", AP_OPTION_CHOICE, &(o).space, "h3|s3|e3", "the space (default: the scene's, h3)"},   \
@@ -48,8 +55,7 @@ struct ap_room_options {
         {"samples", AP_OPTION_NUMBER, &(o).samples, "N", "a pixel: 4, 16 or 64 (4)"},              \
         {"no-cull", AP_OPTION_FLAG, &(o).no_cull, "",                                              \
          "draw what no eye can see too: the same pictures, to compare the work"},                  \
-        {"scene", AP_OPTION_TEXT, &(o).scene, "FILE",                                              \
-         "a scene, or a name (docs/honeycombs.md); default: billiards"},                           \
+        {"scene", AP_OPTION_TEXT, &(o).scene, "FILE|NAME", "a scene (default: billiards)"},        \
         {"table-edge", AP_OPTION_NUMBER, &(o).table_edge_m, "M",                                   \
          "edge of the real square table (0.9)"},                                                   \
     {                                                                                              \

@@ -174,6 +174,10 @@ bool ap_scene_is_named(const char *text) {
     return false;
 }
 
+static const char *const word_keys[][2] = {
+    {"horizon", "horizon_px"}, {"budget", "budget_mib"}, {"edge", "edge_m"}, {"width", "width"}};
+enum { WORD_KEYS = sizeof word_keys / sizeof *word_keys };
+
 // One word after the name: a number of the symbol, what to show, or key=value.
 static bool take_word(json_t *object, json_t *symbol, json_t *show, const char *word) {
     char *end;
@@ -182,18 +186,33 @@ static bool take_word(json_t *object, json_t *symbol, json_t *show, const char *
     if (symbol && *word && !*end)
         return n >= 0 && n <= 1000 && json_array_append_new(symbol, json_integer(n)) == 0;
     if (!equals)
-        return json_array_append_new(show, json_string(word)) == 0;
+        return (strcmp(word, "walls") == 0 || strcmp(word, "struts") == 0 ||
+                strcmp(word, "balls") == 0) &&
+               json_array_append_new(show, json_string(word)) == 0;
     double value = strtod(equals + 1, &end);
-    static const char *const key[][2] = {{"horizon", "horizon_px"},
-                                         {"budget", "budget_mib"},
-                                         {"edge", "edge_m"},
-                                         {"width", "width"}};
-    for (size_t i = 0; i < sizeof key / sizeof *key; i++)
-        if (strlen(key[i][0]) == (size_t)(equals - word) &&
-            strncmp(word, key[i][0], strlen(key[i][0])) == 0)
+    for (size_t i = 0; i < WORD_KEYS; i++)
+        if (strlen(word_keys[i][0]) == (size_t)(equals - word) &&
+            strncmp(word, word_keys[i][0], strlen(word_keys[i][0])) == 0)
             return equals[1] && !*end && isfinite(value) &&
-                   json_object_set_new(object, key[i][1], json_real(value)) == 0;
+                   json_object_set_new(object, word_keys[i][1], json_real(value)) == 0;
     return false;
+}
+
+// Of a message about the document that a name stands for: no places in it, but the words given.
+static void tell_by_words(struct ap_error *err) {
+    char *from = err ? strstr(err->text, "/objects/0/") : NULL,
+         *end = from ? strstr(from, ": ") : NULL;
+    if (!end)
+        return;
+    *end = 0;
+    const char *last = strrchr(from, '/') + 1, *word = "";
+    for (size_t i = 0; i < WORD_KEYS; i++)
+        if (strcmp(last, word_keys[i][1]) == 0)
+            word = word_keys[i][0];
+    size_t n = strlen(word); // shorter than the place it stands in
+    memcpy(from, word, n);
+    memmove(from + n, n ? ": " : "", n ? 2 : 0);
+    memmove(from + n + (n ? 2 : 0), end + 2, strlen(end + 2) + 1);
 }
 
 enum ap_status ap_scene_named(struct ap_error *err, const char *text,
@@ -216,14 +235,15 @@ enum ap_status ap_scene_named(struct ap_error *err, const char *text,
         good = take_word(object, symbol, show, word);
         bad = word;
     }
-    if (!good) {
-        st =
-            ap_fail(err, AP_USAGE,
-                    "--scene %s: '%s' is not understood: expected walls, struts, balls, width=0.2, "
-                    "edge=METRES, horizon=PIXELS or budget=MIB",
-                    text, bad ? bad : "");
+    if (!good)
+        st = ap_fail(err, AP_USAGE,
+                     "--scene %s: '%s' is not understood: expected after the name " AP_SCENE_WORDS,
+                     text, bad ? bad : "");
+    else if (symbol && json_array_size(symbol) != 3)
+        st = ap_fail(err, AP_USAGE, "--scene %s: expected honeycomb: and one of " AP_SCENE_SYMBOLS,
+                     text);
+    if (st)
         goto out;
-    }
     if (symbol)
         json_object_set(object, "symbol", symbol);
     if (json_array_size(show) > 0)
@@ -234,6 +254,8 @@ enum ap_status ap_scene_named(struct ap_error *err, const char *text,
     json_object_set(root, "objects", objects);
     json_object_set_new(root, "background", json_string("#070a12"));
     st = ap_scene_from_json(err, text, root, params, scene);
+    if (st)
+        tell_by_words(err);
 out:
     free(copy);
     json_decref(object);

@@ -156,9 +156,13 @@ enum ap_status ap_scene_add(struct ap_error *err, struct ap_scene *scene,
 enum ap_status ap_scene_from_json(struct ap_error *err, const char *name, const json_t *document,
                                   const struct ap_scene_params *params, struct ap_scene **scene);
 
-// Scenes with a name: honeycomb:P,Q,R, torus, poincare-dodecahedral, seifert-weber,
-// mirrored-dodecahedron, each with words after it as in docs/honeycombs.md. AP_USAGE for a word
-// that is not known or a space that is not the tiling's, else as ap_scene_read.
+// Scenes with a name, and what may follow it after commas (docs/honeycombs.md); for people, and
+// read by docs/antipode.bash.
+#define AP_SCENE_QUOTIENTS "torus poincare-dodecahedral seifert-weber mirrored-dodecahedron"
+#define AP_SCENE_SYMBOLS "3,3,3 3,3,4 3,3,5 3,4,3 4,3,3 5,3,3 4,3,4 5,3,4 4,3,5 3,5,3 5,3,5"
+#define AP_SCENE_WORDS ",walls ,struts ,balls ,width=SHARE ,edge=M ,horizon=PX ,budget=MIB"
+
+// AP_USAGE for a word that is not known or a space that is not the tiling's, else as ap_scene_read.
 bool ap_scene_is_named(const char *text);
 enum ap_status ap_scene_named(struct ap_error *err, const char *text,
                               const struct ap_scene_params *params, struct ap_scene **scene);

@@ -48,6 +48,27 @@ completed=$(PATH="$(dirname "$antipode"):$PATH" bash -c '
 	- "$source_dir/docs/antipode.bash" 2>&1 | tr '\n' ';')
 [ "$completed" = '--space;h3 s3 e3;replay;' ] || fail "completion gave: $completed"
 
+completed=$(PATH="$(dirname "$antipode"):$PATH" bash -c '
+	. "$1"; COMP_WORDS=(antipode replay --scene ""); COMP_CWORD=3; cd /var/empty 2>/dev/null || cd /
+	COMP_WORDS[3]=se; _antipode; echo "${COMPREPLY[*]}"
+	COMP_WORDS[3]=honey; _antipode; echo "${COMPREPLY[*]}"
+	COMP_WORDS[3]=torus,struts,wi; _antipode; echo "${COMPREPLY[*]}"
+	COMP_WORDS=(antipode replay --scene honeycomb : 5,3); COMP_CWORD=5; _antipode; echo "${COMPREPLY[*]}"
+	COMP_WORDS=(antipode play --scene honeycomb :); COMP_CWORD=4; _antipode; echo "${#COMPREPLY[*]}"
+	COMP_WORDS=(antipode replay --scene honeycomb : 5,3,4,b); COMP_CWORD=5; _antipode; echo "${COMPREPLY[*]}"' \
+	- "$source_dir/docs/antipode.bash" 2>&1 | tr '\n' ';')
+[ "$completed" = 'seifert-weber;honeycomb:;torus,struts,width=;5,3,3 5,3,4 5,3,5;11;5,3,4,balls 5,3,4,budget=;' ] ||
+	fail "completion of scenes gave: $completed"
+
+# Scenes that are not there: the names that are, in one line; what is wrong in the words that were given.
+expect 3 'the name of a scene: these are torus .*5,3,5' "$antipode" replay --scene tours "$work/bad.csv"
+expect 2 'honeycomb: and one of 3,3,3 ' "$antipode" replay --scene honeycomb:5,3 "$work/bad.csv"
+expect 2 "'wals' is not understood: expected after the name ,walls" \
+	"$antipode" replay --scene torus,wals "$work/bad.csv"
+expect 3 'budget=0: budget: expected a number from' "$antipode" replay --scene torus,budget=0 "$work/bad.csv"
+expect 3 'honeycomb:6,3,3: .6,3,3. is a tiling of h3, but' \
+	"$antipode" replay --scene honeycomb:6,3,3 "$work/bad.csv"
+
 # A reader that goes away is a write error, not a signal.
 "$antipode" walk 2>"$work/pipe" | head -n 1 >/dev/null
 finish
