@@ -223,7 +223,7 @@ enum ap_status ap_bench_growth(struct ap_error *err, const struct ap_bench *benc
     snprintf(
         title, sizeof title,
         "Cost grows with what is seen, not with what exists: of %zu cells that are known, those "
-        "seen are found in\\n%.3g ms by walking, %.3g ms by testing each",
+        "seen are found in\\n%.2f ms by walking, %.1f ms by testing each",
         last.known, last.walk_ms, last.test_ms);
     snprintf(device, sizeof device, "%s; drawn by %.300s", bench->machine,
              bench->has_gpu ? bench->gpu.properties.deviceName : "nothing");
