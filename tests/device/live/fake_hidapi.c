@@ -8,8 +8,8 @@
 #include <time.h>
 
 struct hid_device_ {
-    int number; // in fake_hid; −1: free
-    bool busy;
+    int number; // in fake_hid
+    bool is_open, busy;
 };
 
 static struct {
@@ -20,7 +20,7 @@ static struct {
 } state[FAKE_HID_DEVICES];
 
 struct fake_hid fake_hid[FAKE_HID_DEVICES];
-static struct hid_device_ handles[FAKE_HID_DEVICES];
+static struct hid_device_ handles[2 * FAKE_HID_DEVICES];
 static struct hid_device_info infos[3 * FAKE_HID_DEVICES];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
@@ -105,9 +105,11 @@ hid_device *hid_open_path(const char *path) {
     pthread_mutex_lock(&lock);
     for (int i = 0; i < FAKE_HID_DEVICES; i++)
         if (state[i].plugged && fake_hid[i].path && strcmp(fake_hid[i].path, path) == 0) {
-            device = &handles[i];
-            *device = (struct hid_device_){.number = i};
+            for (device = handles; device->is_open;)
+                device++; // the tests open none more than twice
+            *device = (struct hid_device_){.number = i, .is_open = true};
             fake_hid[i].opened++;
+            break;
         }
     pthread_mutex_unlock(&lock);
     return device;
@@ -116,6 +118,7 @@ hid_device *hid_open_path(const char *path) {
 void hid_close(hid_device *device) {
     pthread_mutex_lock(&lock);
     fake_hid[device->number].closed++;
+    device->is_open = false;
     pthread_mutex_unlock(&lock);
 }
 
