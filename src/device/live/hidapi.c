@@ -75,9 +75,9 @@ static uint16_t bus_number(const struct hid_device_info *info) {
     return type < sizeof numbers / sizeof *numbers ? numbers[type] : 0;
 }
 
-// Where nobody knows the descriptor the collection's usage tells about sensors and caps.
+// The descriptor is not known yet; the collection's usage tells about sensors and caps.
 static bool is_wanted(const struct hid_device_info *info, const struct ap_live_place *place) {
-    return place->descriptor_len || live_is_wanted(place) || info->usage_page == 0x20 ||
+    return live_is_wanted(place) || info->usage_page == 0x20 ||
            (info->usage_page == 1 && info->usage == 8);
 }
 
