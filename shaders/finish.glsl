@@ -2,9 +2,10 @@
 // the mouths of pockets, wood, billiard balls with stripe and number. Needs frame.glsl, light.glsl.
 
 // What a pipeline draws, so that none pays for what the others are made of (software Vulkan goes
-// through both sides of an if): anything; balls; sticks; sheets and solids; what is matte.
-const int ANY = 0, BALLS = 1, STICKS = 2, SHEETS = 3, MATTE_ONLY = 4;
-layout(constant_id = 0) const int DRAWS = ANY;
+// through both sides of an if): nothing that is made of something; balls; sticks; sheets and solids;
+// what is matte.
+const int NOTHING = 0, BALLS = 1, STICKS = 2, SHEETS = 3, MATTE_ONLY = 4;
+layout(constant_id = 0) const int DRAWS = NOTHING;
 
 layout(set = 0, binding = 2) uniform sampler2DArray decals; // coverage; a layer a text
 
@@ -114,8 +115,8 @@ vec3 pockets(vec3 color, vec4 p, float pixel) {
 // p, n: place and normal in the part's coordinates, as they were interpolated.
 vec3 finished(Draw d, vec4 p, vec4 n) {
     int finish = int(d.finish.x);
-    bool ball = DRAWS == BALLS || ((DRAWS == ANY || DRAWS == MATTE_ONLY) && d.shape.z == BALL);
-    bool sheet = DRAWS == SHEETS || DRAWS == ANY, stick = DRAWS == STICKS || DRAWS == ANY;
+    bool ball = DRAWS == BALLS || (DRAWS == MATTE_ONLY && d.shape.z == BALL);
+    bool sheet = DRAWS == SHEETS, stick = DRAWS == STICKS;
     vec3 u = p.xyz * inversesqrt(max(dot(p.xyz, p.xyz), 1e-12));
     if (ball) {
         p = vec4(d.shape.x * u, d.shape.y);

@@ -98,6 +98,6 @@ void main() {
     curved = q;
     tangent_m = t;
     eye_m = e;
-    image_of = image + 2 * way;
+    image_of = image + 2 * way + 4 * eye;
 #endif
 }

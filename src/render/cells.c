@@ -99,8 +99,7 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct frame *f,
 static enum ap_pipeline_kind pipeline_of(const struct frame *f, const struct ap_part *part,
                                          bool guard) {
     enum ap_pipeline_kind kind = ap_pipeline_for(part, f->input->plain);
-    bool closed = kind == AP_PIPELINE_CLOSED || kind == AP_PIPELINE_MATTE;
-    return !guard ? kind : closed ? AP_PIPELINE_GUARD_CLOSED : AP_PIPELINE_GUARD;
+    return guard ? ap_pipeline_looked_at(kind, true) : kind;
 }
 
 static bool is_hand(const struct ap_part *part) {

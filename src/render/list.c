@@ -90,6 +90,33 @@ enum ap_pipeline_kind ap_pipeline_for(const struct ap_part *part, bool plain) {
     return closed ? AP_PIPELINE_CLOSED : AP_PIPELINE_TWOSIDED;
 }
 
+static bool is_guarded(enum ap_pipeline_kind pipeline) {
+    return pipeline >= AP_PIPELINE_GUARD && pipeline < AP_PIPELINE_GUARD_END;
+}
+
+static bool is_closed(enum ap_pipeline_kind pipeline) {
+    return is_guarded(pipeline)
+               ? (pipeline - AP_PIPELINE_GUARD) & AP_GUARD_CLOSED
+               : pipeline == AP_PIPELINE_CLOSED || pipeline == AP_PIPELINE_MATTE ||
+                     pipeline == AP_PIPELINE_BALLS || pipeline == AP_PIPELINE_STICKS;
+}
+
+enum ap_pipeline_kind ap_pipeline_looked_at(enum ap_pipeline_kind pipeline, bool one_sided) {
+    unsigned draws = pipeline == AP_PIPELINE_MATTE    ? AP_GUARD_MATTE
+                     : pipeline == AP_PIPELINE_BALLS  ? AP_GUARD_BALLS
+                     : pipeline == AP_PIPELINE_STICKS ? AP_GUARD_STICKS
+                     : pipeline == AP_PIPELINE_SHEETS ? AP_GUARD_SHEETS
+                                                      : 0;
+    return AP_PIPELINE_GUARD + draws + (one_sided && is_closed(pipeline) ? AP_GUARD_CLOSED : 0);
+}
+
+// The same with its depth taken from the surface.
+static enum ap_pipeline_kind exact(enum ap_pipeline_kind pipeline) {
+    if (!is_guarded(pipeline))
+        pipeline = ap_pipeline_looked_at(pipeline, true);
+    return AP_PIPELINE_GUARD + ((pipeline - AP_PIPELINE_GUARD) | AP_GUARD_EXACT);
+}
+
 static void note_range(struct ap_draw_list *list, int way, double near_m, double far_m) {
     list->range.near_m[way] = fmin(list->range.near_m[way], near_m);
     list->range.far_m[way] = fmax(list->range.far_m[way], far_m);
@@ -108,8 +135,7 @@ static bool born_way(const struct ap_viewer *viewer, double near_m, double far_m
 
 static void add_image(struct ap_draw_list *list, const struct ap_viewer *viewer,
                       struct ap_draw_item item, unsigned of, double near_m, double far_m) {
-    bool any = false,
-         guard = item.pipeline == AP_PIPELINE_GUARD || item.pipeline == AP_PIPELINE_GUARD_CLOSED;
+    bool any = false, guard = is_guarded(item.pipeline);
     for (int way = 0; way < 2; way++) {
         bool across = false;
         if (!born_way(viewer, near_m, far_m, way, &across))
@@ -126,7 +152,7 @@ static void add_image(struct ap_draw_list *list, const struct ap_viewer *viewer,
         any = true;
         item.way = way;
         if (across && !guard && !disc)
-            item.pipeline = AP_PIPELINE_GUARD;
+            item.pipeline = ap_pipeline_looked_at(item.pipeline, false);
         if (item.eyes != 0)
             list->items[list->count++] = item;
         count(list, &item, of);
@@ -168,6 +194,11 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
         list->stats.beyond_bound += !held;
         return AP_OK;
     }
+    // Facets that may be off in depth are fewer, and surfaces meet where they ought to.
+    bool stretched = ap_is_stretched(viewer, place, item->image) && !part->apart &&
+                     ap_part_form(part) != AP_FORM_FACETS;
+    if (stretched)
+        item->pipeline = exact(item->pipeline);
     const struct ap_refine_params refine = {
         .viewer = viewer,
         .eyes = params->eyes,
@@ -175,8 +206,8 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
         .image = item->image,
         .max_error_px = params->max_error_px,
         .solid = part->kind == AP_PART_SOLID ? &params->scene->solids[part->solid] : NULL,
-        .closed = item->pipeline == AP_PIPELINE_CLOSED || item->pipeline == AP_PIPELINE_BALLS ||
-                  item->pipeline == AP_PIPELINE_STICKS || item->pipeline == AP_PIPELINE_MATTE,
+        .closed = is_closed(item->pipeline),
+        .any_depth = stretched || part->apart,
         .triangles_max = REFINED_MAX - used};
     item->refined = true;
     list->stats.refined++;
@@ -246,13 +277,15 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
                                     .brightness = 1};
         const double range_m[2] = {image ? turn - place.far_m : place.near_m,
                                    image ? turn - place.near_m : place.far_m};
-        bool guard = item.eyes != 0 && ap_needs_guard(viewer, params->eyes, &place);
         unsigned of = 3;
         if (item.eyes != 0 && part->kind == AP_PART_BALL && !part->lit &&
             ap_clear_of_eyes(viewer, params->eyes, &place))
             st = add_disc(err, params, list, &item, range_m, &of);
         if (st == AP_OK && item.eyes != 0) {
-            item.pipeline = guard ? AP_PIPELINE_GUARD : ap_pipeline_for(part, params->input->plain);
+            bool guard = ap_needs_guard(viewer, params->eyes, &place);
+            item.pipeline = ap_pipeline_for(part, params->input->plain);
+            if (guard) // both sides: an eye may be inside
+                item.pipeline = ap_pipeline_looked_at(item.pipeline, false);
             st = ap_draw_list_mesh(err, params, &place, list, &item);
         }
         if (st == AP_OK && of != 0)
@@ -385,7 +418,7 @@ void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_inpu
         float *finish = draws[i].finish;
         finish[0] = part->lit && !input->plain ? (float)part->finish : 0;
         finish[1] = (float)(part->decal - 1);
-        finish[2] = 0;
+        finish[2] = (float)ap_part_form(part);
         bool takes = part->takes_marks && part->lit && part->carrier == AP_CARRIER_WORLD;
         if (takes && !taker)
             write_marks(scene, taker = part, marks);

@@ -57,9 +57,12 @@ enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap
 
 // What draws a part that needs no guard. plain: without finishes (ap_frame_input).
 enum ap_pipeline_kind ap_pipeline_for(const struct ap_part *part, bool plain);
+// The same with every fragment looked at; unless one_sided, backs of what is closed, too.
+enum ap_pipeline_kind ap_pipeline_looked_at(enum ap_pipeline_kind pipeline, bool one_sided);
 
 // Gives an item, whose place, image and pipeline are known, a mesh that holds the bound: one made
-// ahead, or where none does (or only a large one) one for this frame. Counts what cannot hold it.
+// ahead, or where none does (or only a large one) one for this frame, which may change the pipeline
+// to one that takes its depth from the surface. Counts what cannot hold the bound.
 enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,
                                  const struct ap_place *place, struct ap_draw_list *list,
                                  struct ap_draw_item *item);
@@ -71,7 +74,8 @@ void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,
 // depends on the input only.
 void ap_draw_list_sort(struct ap_draw_list *list);
 
-// Once it is sorted: writes what the shaders need of each item, and the marks of the surface that takes them.
+// Once it is sorted: writes what the shaders need of each item, and the marks of the surface that
+// takes them.
 void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_input *input,
                         const struct ap_eyes *eyes, const struct ap_draw_list *list,
                         struct ap_gpu_draw *draws, struct ap_gpu_marks *marks);

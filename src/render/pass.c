@@ -8,6 +8,7 @@
 #include "shaders/disc_single.vert.spv.h"
 #include "shaders/part.frag.spv.h"
 #include "shaders/part.vert.spv.h"
+#include "shaders/part_exact.frag.spv.h"
 #include "shaders/part_finish.frag.spv.h"
 #include "shaders/part_finish.vert.spv.h"
 #include "shaders/part_guard.frag.spv.h"
@@ -120,9 +121,8 @@ static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *g
 }
 
 static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu *gpu,
-                                      const struct ap_pass_params *params, VkRenderPass render_pass,
-                                      const VkShaderModule shader[8], struct ap_world world,
-                                      int kind, VkPipeline *made) {
+                                      const struct ap_pass *pass, struct ap_world world, int kind,
+                                      VkPipeline *made) {
     static const VkVertexInputBindingDescription binding = {0, sizeof(struct ap_vertex),
                                                             VK_VERTEX_INPUT_RATE_VERTEX};
     static const VkVertexInputAttributeDescription attributes[2] = {
@@ -137,69 +137,70 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
     static const struct {
         bool closed;
         int shaders, draws; // draws: DRAWS of shaders/finish.glsl
-    } KIND[AP_PIPELINE_COUNT] = {
-        [AP_PIPELINE_CLOSED] = {.closed = true},   [AP_PIPELINE_GUARD] = {.shaders = 1},
-        [AP_PIPELINE_GUARD_CLOSED] = {true, 1, 4}, [AP_PIPELINE_MATTE] = {true, 2, 4},
-        [AP_PIPELINE_BALLS] = {true, 2, 1},        [AP_PIPELINE_STICKS] = {true, 2, 2},
-        [AP_PIPELINE_SHEETS] = {false, 2, 3},      [AP_PIPELINE_DISC] = {.shaders = 3}};
-    int set = KIND[kind].shaders;
+    } KIND[] = {[AP_PIPELINE_CLOSED] = {.closed = true}, [AP_PIPELINE_MATTE] = {true, 2, 4},
+                [AP_PIPELINE_BALLS] = {true, 2, 1},      [AP_PIPELINE_STICKS] = {true, 2, 2},
+                [AP_PIPELINE_SHEETS] = {false, 2, 3},    [AP_PIPELINE_DISC] = {.shaders = 3}};
+    const struct ap_pass_params *params = &pass->params;
+    bool guard = kind >= AP_PIPELINE_GUARD && kind < AP_PIPELINE_GUARD_END;
+    int how = kind - AP_PIPELINE_GUARD, draws = guard ? how / AP_GUARD_BALLS : KIND[kind].draws;
+    bool closed = guard ? how & AP_GUARD_CLOSED : KIND[kind].closed;
+    int set = !guard ? KIND[kind].shaders : how & AP_GUARD_EXACT ? 4 : 1;
     struct ap_pipeline_params pipeline = {
-        .vertex = shader[2 * set],
-        .fragment = shader[2 * set + 1],
-        .constant = {KIND[kind].draws, world.kappa, world.mode, world.born_kappa},
+        .vertex = pass->shader[2 * set],
+        .fragment = pass->shader[2 * set + 1],
+        .constant = {draws, world.kappa, world.mode, world.born_kappa},
         .input = &input,
         .width = params->width,
         .height = params->height,
         .samples = params->samples,
-        .cull = KIND[kind].closed ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
+        .cull = closed ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
         .depth = true,
         .blend = kind == AP_PIPELINE_DISC,
         .layout = params->layout,
-        .render_pass = render_pass};
+        .render_pass = pass->render_pass};
     return ap_pipeline_create(err, gpu, &pipeline, made);
 }
 
-static enum ap_status create_pipelines(struct ap_error *err, const struct ap_gpu *gpu,
-                                       const struct ap_pass_params *params, struct ap_world world,
-                                       const struct ap_pass *pass,
-                                       VkPipeline made[AP_PIPELINE_COUNT]) {
+static enum ap_status create_shaders(struct ap_error *err, const struct ap_gpu *gpu,
+                                     struct ap_pass *pass) {
     static const struct {
         const uint32_t *words;
         size_t bytes;
-    } code[2][8] = {{{part_single_vert, sizeof part_single_vert},
-                     {part_frag, sizeof part_frag},
-                     {part_single_guard_vert, sizeof part_single_guard_vert},
-                     {part_guard_frag, sizeof part_guard_frag},
-                     {part_single_finish_vert, sizeof part_single_finish_vert},
-                     {part_finish_frag, sizeof part_finish_frag},
-                     {disc_single_vert, sizeof disc_single_vert},
-                     {disc_frag, sizeof disc_frag}},
-                    {{part_vert, sizeof part_vert},
-                     {part_frag, sizeof part_frag},
-                     {part_guard_vert, sizeof part_guard_vert},
-                     {part_guard_frag, sizeof part_guard_frag},
-                     {part_finish_vert, sizeof part_finish_vert},
-                     {part_finish_frag, sizeof part_finish_frag},
-                     {disc_vert, sizeof disc_vert},
-                     {disc_frag, sizeof disc_frag}}};
-    VkShaderModule shader[8] = {0};
+    } code[2][AP_PASS_SHADERS] = {{{part_single_vert, sizeof part_single_vert},
+                                   {part_frag, sizeof part_frag},
+                                   {part_single_guard_vert, sizeof part_single_guard_vert},
+                                   {part_guard_frag, sizeof part_guard_frag},
+                                   {part_single_finish_vert, sizeof part_single_finish_vert},
+                                   {part_finish_frag, sizeof part_finish_frag},
+                                   {disc_single_vert, sizeof disc_single_vert},
+                                   {disc_frag, sizeof disc_frag},
+                                   {part_single_guard_vert, sizeof part_single_guard_vert},
+                                   {part_exact_frag, sizeof part_exact_frag}},
+                                  {{part_vert, sizeof part_vert},
+                                   {part_frag, sizeof part_frag},
+                                   {part_guard_vert, sizeof part_guard_vert},
+                                   {part_guard_frag, sizeof part_guard_frag},
+                                   {part_finish_vert, sizeof part_finish_vert},
+                                   {part_finish_frag, sizeof part_finish_frag},
+                                   {disc_vert, sizeof disc_vert},
+                                   {disc_frag, sizeof disc_frag},
+                                   {part_guard_vert, sizeof part_guard_vert},
+                                   {part_exact_frag, sizeof part_exact_frag}}};
     enum ap_status st = AP_OK;
-    for (int i = 0; st == AP_OK && i < 8; i++)
+    for (int i = 0; st == AP_OK && i < AP_PASS_SHADERS; i++)
         st = ap_gpu_shader(err, gpu, code[pass->views - 1][i].words, code[pass->views - 1][i].bytes,
-                           &shader[i]);
-    for (int k = 0; st == AP_OK && k < AP_PIPELINE_COUNT; k++)
-        st = create_pipeline(err, gpu, params, pass->render_pass, shader, world, k, &made[k]);
-    for (int i = 0; i < 8; i++)
-        vkDestroyShaderModule(gpu->device, shader[i], NULL);
+                           &pass->shader[i]);
     return st;
 }
 
 enum ap_status ap_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
                               const struct ap_pass_params *params, struct ap_pass *pass) {
-    struct ap_pass made = {.views = params->views};
+    struct ap_pass made = {.params = *params, .views = params->views};
     enum ap_status st = create_render_pass(err, gpu, params, &made.render_pass);
     if (st == AP_OK)
         st = create_images(err, gpu, params, &made);
+    if (st == AP_OK)
+        st = create_shaders(err, gpu, &made);
     if (st == AP_OK)
         *pass = made;
     else
@@ -214,18 +215,21 @@ static int index_of(struct ap_world world) {
 }
 
 enum ap_status ap_pass_pipelines(struct ap_error *err, const struct ap_gpu *gpu,
-                                 const struct ap_pass_params *params, struct ap_world world,
+                                 struct ap_world world, const bool needed[AP_PIPELINE_COUNT],
                                  struct ap_pass *pass, const VkPipeline **pipelines) {
     VkPipeline *all = pass->pipeline[index_of(world)];
     enum ap_status st = AP_OK;
-    if (!all[AP_PIPELINE_COUNT - 1])
-        st = create_pipelines(err, gpu, params, world, pass, all);
+    for (int k = 0; st == AP_OK && k < AP_PIPELINE_COUNT; k++)
+        if (needed[k] && !all[k])
+            st = create_pipeline(err, gpu, pass, world, k, &all[k]);
     if (st == AP_OK)
         *pipelines = all;
     return st;
 }
 
 void ap_pass_destroy(const struct ap_gpu *gpu, struct ap_pass *pass) {
+    for (int i = 0; i < AP_PASS_SHADERS; i++)
+        vkDestroyShaderModule(gpu->device, pass->shader[i], NULL);
     for (int w = 0; w < AP_WORLD_COUNT; w++)
         for (int k = 0; k < AP_PIPELINE_COUNT; k++)
             vkDestroyPipeline(gpu->device, pass->pipeline[w][k], NULL);

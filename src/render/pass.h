@@ -12,11 +12,22 @@ enum ap_pipeline_kind {
     AP_PIPELINE_MATTE,    // closed; light at every fragment, and nothing else
     AP_PIPELINE_BALLS,    // light and material at every fragment: closed, closed, two-sided
     AP_PIPELINE_STICKS,
-    AP_PIPELINE_SHEETS,       // and solids
-    AP_PIPELINE_GUARD,        // two-sided, and every fragment is looked at
-    AP_PIPELINE_GUARD_CLOSED, // likewise, of what is plain or matte
-    AP_PIPELINE_DISC,         // src/render/disc.h; over all others, far before near
+    AP_PIPELINE_SHEETS, // and solids
+    AP_PIPELINE_GUARD,  // every fragment is looked at; and so many as AP_GUARD_… after it
+    AP_PIPELINE_GUARD_END = AP_PIPELINE_GUARD + 20,
+    AP_PIPELINE_DISC = AP_PIPELINE_GUARD_END, // src/render/disc.h; over all others, far before near
     AP_PIPELINE_COUNT
+};
+
+// Added up: back faces are not seen; depth is the surface's and not the facet's (native views of
+// s3); light and material at every fragment.
+enum {
+    AP_GUARD_CLOSED = 1,
+    AP_GUARD_EXACT = 2,
+    AP_GUARD_BALLS = 4,
+    AP_GUARD_STICKS = 8,
+    AP_GUARD_SHEETS = 12,
+    AP_GUARD_MATTE = 16
 };
 
 // What the shaders are made for: a sign of curvature and a way of looking at it. Each has pipelines
@@ -27,14 +38,7 @@ struct ap_world {
     int born_kappa;  // native-of
 };
 
-struct ap_pass {
-    uint32_t views;
-    VkRenderPass render_pass; // colour and depth, multisampled; the colour is read afterwards
-    VkFramebuffer framebuffer;
-    struct ap_gpu_image color, depth;
-    // By world and way of looking; made when first needed.
-    VkPipeline pipeline[AP_WORLD_COUNT][AP_PIPELINE_COUNT];
-};
+enum { AP_PASS_SHADERS = 10 };
 
 struct ap_pass_params {
     VkFormat color_format;
@@ -42,11 +46,23 @@ struct ap_pass_params {
     VkSampleCountFlagBits samples;
     VkPipelineLayout layout;
 };
+
+struct ap_pass {
+    struct ap_pass_params params;
+    uint32_t views;
+    VkRenderPass render_pass; // colour and depth, multisampled; the colour is read afterwards
+    VkFramebuffer framebuffer;
+    struct ap_gpu_image color, depth;
+    VkShaderModule shader[AP_PASS_SHADERS];                 // vertex and fragment in turn
+    VkPipeline pipeline[AP_WORLD_COUNT][AP_PIPELINE_COUNT]; // made when they are first needed
+};
+
 enum ap_status ap_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
                               const struct ap_pass_params *params, struct ap_pass *pass);
-// The pipelines for a world, made if this is the first time; NULL: they could not be.
+// The pipelines for a world. Those of the kinds that are marked are made if this is the first time:
+// most frames need few of them, and a software device takes some 50 ms for each.
 enum ap_status ap_pass_pipelines(struct ap_error *err, const struct ap_gpu *gpu,
-                                 const struct ap_pass_params *params, struct ap_world world,
+                                 struct ap_world world, const bool needed[AP_PIPELINE_COUNT],
                                  struct ap_pass *pass, const VkPipeline **pipelines);
 void ap_pass_destroy(const struct ap_gpu *gpu, struct ap_pass *pass);
 

@@ -6,6 +6,7 @@
 #include "src/view/cull.h"
 
 static const double PI = 3.14159265358979323846;
+static const double NEAR_ANTIPODE = 0.3; // over rho
 enum { CORNERS_MAX = 64 };
 
 // The distance whose S is this; in s3 the one up to a quarter turn.
@@ -88,7 +89,18 @@ bool ap_needs_guard(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
     double rho = viewer->space.rho_m, eye = eyes->reach_m + 2 * AP_NEAR_M;
     if (place->near_m < eye)
         return true;
-    return viewer->space.kappa > 0 && place->far_m > PI * rho - fmax(eye, 0.3 * rho);
+    return viewer->space.kappa > 0 && place->far_m > PI * rho - fmax(eye, NEAR_ANTIPODE * rho);
+}
+
+enum ap_form ap_part_form(const struct ap_part *part) {
+    return part->kind == AP_PART_POLYGON ? AP_FORM_PLANE
+           : part->kind == AP_PART_SOLID ? part->form
+                                         : AP_FORM_FACETS;
+}
+
+bool ap_is_stretched(const struct ap_viewer *viewer, const struct ap_place *place, int image) {
+    return viewer->mode == AP_VIEW_NATIVE && viewer->space.kappa > 0 &&
+           (image == 1 || place->far_m > (PI - NEAR_ANTIPODE) * viewer->space.rho_m);
 }
 
 bool ap_place_in_domain(const struct ap_place *place) {

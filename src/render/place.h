@@ -43,6 +43,15 @@ double ap_edge_miss_h3(double length, double d);
 bool ap_needs_guard(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                     const struct ap_place *place);
 
+// The geodesic surface that all of a part's facets stand for, where it may cross others: a stick's
+// caps and sides are two, and a ball touches things at most.
+enum ap_form ap_part_form(const struct ap_part *part);
+
+// Whether s3 in native view stretches something of it so much across the line of sight that
+// surfaces which cross one another are seen to meet at small angles: near the antipode, and the
+// long way round.
+bool ap_is_stretched(const struct ap_viewer *viewer, const struct ap_place *place, int image);
+
 // Whether nothing of it comes within the forbidden distance of an eye or an antipode.
 bool ap_clear_of_eyes(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                       const struct ap_place *place);

@@ -12,9 +12,11 @@ static const double SHARE = 0.75; // of the bound: what an edge's middle may use
 // What lies outside a plane of a frustum by so much of the triangle's longest edge cannot bulge
 // into the picture.
 static const double BULGE = 0.6;
-// How far an edge's middle may be from its distance, of that distance: part_guard.frag drops what
+// How far an edge's middle may be from its distance, of that distance: part_guard.glsl drops what
 // is 5 % off.
 static const double DEPTH_SHARE = 0.02;
+// How far turned away something must be, and how much more where its normals differ: cosines.
+static const double TURNED_AWAY = 0.01, TURNED_SHARE = 0.25;
 static const uint32_t NOT_CUT = UINT32_MAX;
 enum { AROUND = 8, DEEPEST = 60, NODE_BITS = 28, PART_MAX = 255 };
 
@@ -40,6 +42,7 @@ struct work {
     struct ap_mesh_data *data;
     struct triangle *stack;
     size_t stack_count, stack_space, triangles;
+    double taper; // of a stick: its normals are those of a straight one
     bool cut_all; // edges are cut unasked
     bool held;
     enum ap_status st;
@@ -234,25 +237,26 @@ static bool out_of_sight(const struct work *w, const struct triangle *t) {
     return true;
 }
 
-// Turned away from both eyes by more than it spans about the middle of what it is of, so that
-// nothing of what it stands for can show.
+// Turned away from both eyes: normals within a triangle lie between those of its corners, and so do
+// the lines of sight, so that products of all of these speak for it. What the surface bulges
+// between them is small where they differ little.
 static bool turned_away(const struct work *w, const struct triangle *t) {
     const struct ap_surface_point *p[3];
-    // s3 is stretched across the line of sight, so that angles there say nothing about a surface's.
-    if (!w->params->closed || w->surface.shape == AP_SURFACE_SHEET || w->surface.space.kappa > 0 ||
-        w->surface.mode == AP_VIEW_BORN)
+    if (!w->surface.closed)
         return false;
-    double span = 0;
+    double span = w->taper;
     for (int i = 0; i < 3; i++)
         p[i] = &w->r->nodes[t->corner[i]].point;
     for (int i = 0; i < 3; i++)
-        span = fmax(span, length(ap_vec3_sub(p[i]->from, p[(i + 1) % 3]->from)));
-    for (int e = 0; e < 2; e++) {
-        struct ap_vec3 a = p[0]->seen[e], b = p[1]->seen[e], c = p[2]->seen[e];
-        struct ap_vec3 n = ap_vec3_cross(ap_vec3_sub(b, a), ap_vec3_sub(c, a));
-        if (!(ap_vec3_dot(n, a) > (0.2 + span) * length(n) * length(a)))
-            return false;
-    }
+        span = fmax(span, length(ap_vec3_sub(p[i]->outward, p[(i + 1) % 3]->outward)));
+    for (int e = 0; e < 2; e++)
+        for (int i = 0; i < 3; i++) {
+            struct ap_vec3 sight = ap_vec3_sub(p[i]->tangent_m, w->surface.eye_m[e]);
+            double least = (TURNED_AWAY + TURNED_SHARE * span) * length(sight);
+            for (int k = 0; k < 3; k++)
+                if (!(ap_vec3_dot(p[k]->outward, sight) > least))
+                    return false;
+        }
     return true;
 }
 
@@ -402,6 +406,11 @@ enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
     struct work w = {.err = err, .r = r, .params = params, .data = data, .held = true, .st = AP_OK};
     w.surface =
         ap_surface_of(params->viewer, params->eyes, part, params->nose_from_part, params->image);
+    w.surface.any_depth = params->any_depth;
+    w.surface.closed =
+        params->closed && w.surface.shape != AP_SURFACE_SHEET && w.surface.mode == AP_VIEW_NATIVE;
+    w.taper =
+        part->kind == AP_PART_STICK ? fabs(part->radius2_m - part->radius_m) / part->length_m : 0;
     double rho = params->viewer->space.rho_m;
     w.shortest = fmin(AP_NEAR_M / 3 / rho, 1e-3);
     double radius = fmax(part->radius_m, part->radius2_m) / rho;

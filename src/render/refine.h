@@ -16,7 +16,8 @@ struct ap_refine_params {
     const struct ap_solid *solid; // of a solid with a form: the coarsest of its meshes made ahead
     double max_error_px;          // of either eye's picture
     size_t triangles_max;
-    bool closed; // back faces are not drawn: they need not be fine
+    bool any_depth; // an error in depth does not show
+    bool closed;    // back faces are not drawn: they need not be fine
 };
 
 // Nodes and the memory of which edges were cut, kept from part to part.

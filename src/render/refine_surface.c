@@ -34,6 +34,7 @@ struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_
         if (s.mode == AP_VIEW_TOURIST)
             s.eye_from_part[e] = ap_iso_mul(eyes->eye_from_nose[e], nose_from_part);
         s.eye_from_view[e] = ap_pose_inverse(viewer->eye[e].view_from_eye);
+        s.eye_m[e] = viewer->eye[e].view_from_eye.p;
     }
     return s;
 }
@@ -86,6 +87,25 @@ struct ap_vec4 ap_surface_normal(const struct ap_surface *s, const struct ap_sur
                                  -s->space.kappa * ap_space_sin(s->space, r)));
 }
 
+// The log map keeps lengths along the line of sight and stretches those across it; a normal is
+// stretched the other way.
+static struct ap_vec3 outward(const struct ap_surface *s, const struct ap_surface_point *point) {
+    struct ap_vec4 n = ap_surface_normal(s, point);
+    if (s->part->kind == AP_PART_BALL) {
+        double r = s->part->radius_m / s->space.rho_m, c = ap_space_cos(s->space, r);
+        n = (struct ap_vec4){c * n.x, c * n.y, c * n.z,
+                             -s->space.kappa * ap_space_sin(s->space, r)};
+    }
+    n = ap_iso_apply(&s->nose_from_part, n);
+    double d = length(point->tangent_m), t = d / s->space.rho_m; // of image 1 beyond half a turn
+    struct ap_vec3 u = ap_vec3_scale(1 / d, point->tangent_m), across = {n.x, n.y, n.z};
+    // Along the way that leads there, which is u in both images.
+    double ss = ap_space_sin(s->space, t), along = ap_vec3_dot(across, u);
+    double away = ap_space_cos(s->space, t) * along - ss * n.w;
+    across = ap_vec3_sub(across, ap_vec3_scale(along, u));
+    return unit(ap_vec3_add(ap_vec3_scale(away, u), ap_vec3_scale(ss / t, across)));
+}
+
 void ap_surface_see(const struct ap_surface *s, struct ap_surface_point *point) {
     double rho = s->space.rho_m;
     if (s->shape != AP_SURFACE_SHEET) {
@@ -114,6 +134,8 @@ void ap_surface_see(const struct ap_surface *s, struct ap_surface_point *point) 
     }
     for (int e = 0; e < 2; e++)
         point->seen[e] = ap_pose_apply(s->eye_from_view[e], point->tangent_m);
+    if (s->closed)
+        point->outward = outward(s, point);
 }
 
 struct ap_surface_point ap_surface_middle(const struct ap_surface *s,
@@ -144,6 +166,14 @@ static double off_line(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 m) {
     double t = square > 0 ? ap_vec3_dot(ap_vec3_sub(u, p), along) / square : 0;
     struct ap_vec3 c = ap_vec3_add(p, ap_vec3_scale(fmin(fmax(t, 0), 1), along));
     return length(ap_vec3_sub(u, unit(c)));
+}
+
+// How far m is from the straight line from a to b, of its distance.
+static double off_chord(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 m) {
+    struct ap_vec3 along = ap_vec3_sub(b, a), from = ap_vec3_sub(m, a);
+    double square = ap_vec3_dot(along, along);
+    double t = square > 0 ? ap_vec3_dot(from, along) / square : 0;
+    return length(ap_vec3_sub(from, ap_vec3_scale(t, along))) / length(m);
 }
 
 // The point of the straight edge that the nose sees in m's direction: that is what a geodesic's
@@ -179,9 +209,12 @@ double ap_surface_error_px(const struct ap_surface *s, const struct ap_eyes *eye
         if (sheet) {
             struct ap_vec3 c = ap_pose_apply(s->eye_from_view[e], flat), t = m->seen[e];
             double off = length(ap_vec3_sub(c, t)), d = length(t);
-            angle = atan2(length(ap_vec3_cross(c, t)), ap_vec3_dot(c, t)) + off / d / 4;
+            angle = atan2(length(ap_vec3_cross(c, t)), ap_vec3_dot(c, t)) +
+                    (s->any_depth ? 0 : off / d / 4);
         } else {
             angle = off_line(a->seen[e], b->seen[e], m->seen[e]);
+            if (native && !s->any_depth)
+                angle = fmax(angle, off_chord(a->seen[e], b->seen[e], m->seen[e]) / 4);
         }
         worst = fmax(worst, angle * pixels_at(eyes, e, m->seen[e]));
     }

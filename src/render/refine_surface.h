@@ -18,6 +18,7 @@ struct ap_surface_point {
     struct ap_vec4 p;         // in the part's coordinates, over rho
     struct ap_vec3 tangent_m; // relative to the nose; not in tourist view
     struct ap_vec3 seen[2];   // from each eye, in its axes: native metres, else a direction
+    struct ap_vec3 outward;   // closed surfaces in native view: their normal in tangent space, unit
 };
 
 struct ap_surface {
@@ -27,9 +28,12 @@ struct ap_surface {
     enum ap_view_mode mode;
     struct ap_space born; // of AP_VIEW_BORN
     int image;
+    bool any_depth; // an error in depth does not count
+    bool closed;    // points are given their outward normal
     struct ap_iso nose_from_part;
     struct ap_iso eye_from_part[2];  // tourist; AP_VIEW_BORN: of the nose in the space of her birth
     struct ap_pose eye_from_view[2]; // native
+    struct ap_vec3 eye_m[2];         // native: where the eyes are, relative to the nose
 };
 
 struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
@@ -52,8 +56,8 @@ struct ap_vec4 ap_surface_normal(const struct ap_surface *surface,
                                  const struct ap_surface_point *point);
 
 // How many pixels of an eye's picture lie between the surface at m, a place of it between a and b
-// (sheets: the middle), and the straight edge from a to b; a quarter of a sheet's error in depth
-// included, which shows where surfaces meet at a small angle. The larger of the two eyes.
+// (sheets: the middle), and the straight edge from a to b; a quarter of the error in depth counts
+// (added in a sheet's case), as it shows where surfaces meet. The larger of the two eyes.
 double ap_surface_error_px(const struct ap_surface *surface, const struct ap_eyes *eyes,
                            const struct ap_surface_point *a, const struct ap_surface_point *b,
                            const struct ap_surface_point *m);

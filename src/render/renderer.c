@@ -429,8 +429,11 @@ static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r,
     }
     const struct ap_world world = {viewer->space.kappa, (int)viewer->mode,
                                    ap_viewer_born(viewer).kappa};
+    bool needed[AP_PIPELINE_COUNT] = {false};
+    for (size_t i = 0; i < r->list.count; i++)
+        needed[r->list.items[i].pipeline] = true;
     return st == AP_OK
-               ? ap_pass_pipelines(err, r->gpu, &params, world, &r->pass[both], &r->pipelines)
+               ? ap_pass_pipelines(err, r->gpu, world, needed, &r->pass[both], &r->pipelines)
                : st;
 }
 

@@ -264,12 +264,9 @@ int main(int argc, char **argv) {
             open_world(&world, SCENES[s].name);
             for (int i = 0; i < (more ? more : SCENES[s].places); i++)
                 look_from(&world, BOUNDS[b], &t);
-            // A frame's triangles may run out, at 0.05 px and, near the antipode of s3, at 0.25 px
-            // too. That is counted, and still all is within 0.25 px.
-            long may_run_out = strstr(SCENES[s].name, "4,3,3") ? t.places / 2 : 0;
+            // At 0.05 px a frame's triangles may run out, which is counted, and still all is near.
             bool bad = !(t.worst_px <= BOUNDS[b]) || !(t.over_px <= 0.25) || t.points < 1000 ||
-                       t.refined == 0 || (t.beyond > may_run_out && b == 0) ||
-                       (t.beyond > t.places / 20 && s == 0);
+                       t.refined == 0 || (t.beyond > 0 && (b == 0 || !more));
             printf("%-40s worst %.4f px of %.2f over %ld points (at %.3f m) from %ld places; a "
                    "place: %.0f triangles, %.1f parts of its own; beyond it in %ld places, %.3f "
                    "px%s\n",

@@ -1,0 +1,103 @@
+// Near s3's antipode everything is seen at nearly the same distance, so that what a facet is off in
+// depth would decide where two surfaces meet. Two polygons that cross there, drawn and read back:
+// at each pixel the nearer one along its line of sight shows, but for the seam's own pixels.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "src/view/exact.h"
+#include "tests/render/stage.h"
+
+static const double PI = 3.14159265358979323846;
+enum { SIDE = 512 };
+
+// 0 or 1: whose colour a pixel must have; −1: not both are there. *gap: how far one is before the
+// other, over rho.
+static int nearer(const struct ap_viewer *v, const struct ap_iso part_from_nose[2], int x, int y,
+                  double *gap) {
+    const struct ap_frustum *f = &v->eye[0].frustum;
+    double rho = v->space.rho_m, d[2];
+    struct ap_vec3 u =
+        ap_vec3_normalize((struct ap_vec3){f->left + (x + 0.5) / SIDE * (f->right - f->left),
+                                           f->up - (y + 0.5) / SIDE * (f->up - f->down), -1});
+    for (int k = 0; k < 2; k++) {
+        struct ap_vec3 at;
+        if (!ap_exact_on_plane(v->space, &part_from_nose[k], u, PI * rho, &at))
+            return -1;
+        d[k] = ap_vec3_length(at);
+        struct ap_vec4 q = {rho * sin(d[k] / rho) * u.x, rho * sin(d[k] / rho) * u.y,
+                            rho * sin(d[k] / rho) * u.z, rho * cos(d[k] / rho)};
+        q = ap_iso_apply(&part_from_nose[k], q);
+        if (!(d[k] < PI * rho) || !(q.w > 0.8 * rho)) // well within the polygon
+            return -1;
+    }
+    *gap = fabs(d[0] - d[1]) / rho;
+    return d[0] < d[1] ? 0 : 1;
+}
+
+static int look(struct stage *stage, double off, double turn) {
+    static int expected[SIDE][SIDE];
+    struct ap_space space = {1, 1};
+    struct ap_iso place =
+        ap_iso_mul(ap_iso_translate(space, (struct ap_vec3){0, 0, -(PI - off)}),
+                   ap_iso_rotate(ap_quat_from_axis_angle((struct ap_vec3){0, 0, 1}, turn)));
+    struct ap_part parts[2] = {
+        {.kind = AP_PART_POLYGON, .sides = 4, .edge_m = 1.2, .color_srgb = {1, 0, 0}},
+        {.kind = AP_PART_POLYGON, .sides = 4, .edge_m = 1.2, .color_srgb = {0, 1, 0}}};
+    struct ap_iso part_from_nose[2];
+    for (int k = 0; k < 2; k++) {
+        struct ap_quat tilt = ap_quat_from_axis_angle((struct ap_vec3){1, 0, 0}, 0.7 + 1.2 * k);
+        parts[k].carrier_from_part = ap_iso_mul(place, ap_iso_rotate(tilt));
+        part_from_nose[k] = ap_iso_inverse(space, parts[k].carrier_from_part);
+    }
+    struct ap_scene scene = stage_scene(space, parts, 2);
+    struct ap_renderer_params how = {0};
+    struct ap_renderer *renderer = stage_renderer(stage, &scene, &how);
+    struct ap_frame_input input = stage_input(space, AP_VIEW_NATIVE, 0.7, 0);
+    struct ap_frame_stats stats = stage_draw(stage, renderer, &input);
+    const uint8_t *px = stage_eye(stage, 0);
+    long seen[2] = {0, 0}, wrong = 0;
+    double worst = 0;
+    for (int y = 0; y < SIDE; y++)
+        for (int x = 0; x < SIDE; x++) {
+            double gap;
+            expected[y][x] = nearer(&input.viewer, part_from_nose, x, y, &gap);
+        }
+    for (int y = 1; y < SIDE - 1; y++)
+        for (int x = 1; x < SIDE - 1; x++) {
+            double gap;
+            int e = expected[y][x];
+            bool seam = false;
+            for (int j = 0; j < 9; j++)
+                seam = seam || expected[y + j / 3 - 1][x + j % 3 - 1] != e;
+            if (e < 0 || seam)
+                continue;
+            seen[e]++;
+            const uint8_t *p = px + 4 * (y * SIDE + x);
+            if (p[e] == 255 && p[1 - e] == 0)
+                continue;
+            wrong++;
+            nearer(&input.viewer, part_from_nose, x, y, &gap);
+            worst = fmax(worst, gap);
+        }
+    bool bad = wrong > 0 || seen[0] < 2000 || seen[1] < 2000;
+    printf(
+        "%.2f rho from the antipode: %ld of %ld and %ld pixels wrong (by up to %.5f rho of depth; "
+        "none allowed), %llu triangles%s\n",
+        off, wrong, seen[0], seen[1], worst, (unsigned long long)stats.eye[0].triangles,
+        bad ? "  FAILED" : "");
+    ap_renderer_destroy(renderer);
+    return bad;
+}
+
+int main(void) {
+    struct stage stage;
+    if (!stage_open(&stage, SIDE, SIDE, true))
+        return 77;
+    int failures = 0;
+    for (int k = 0; k < 4; k++)
+        failures += look(&stage, 0.03 * (1 << k), 0.3 * k);
+    failures += stage.validation_errors;
+    stage_close(&stage);
+    return failures;
+}
