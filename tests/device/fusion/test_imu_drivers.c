@@ -131,6 +131,67 @@ static void test_playstation_packets(void **unused) {
     assert_null(plug(6, 0x054c, 0x0ce6));
 }
 
+// The same motion through each of the four reports, with the calibration as each has it: the same
+// poses, buttons aside.
+static void test_playstation_motion(void **unused) {
+    (void)unused;
+    static const struct {
+        uint16_t bus, product;
+        uint8_t report;
+        size_t len, gyro, accel, ticks, plus[3], minus[3], feature_len;
+        uint8_t feature;
+        bool is_short; // its clock
+    } kinds[] = {
+        {3, 0x0ce6, 0x01, 64, 16, 22, 28, {7, 11, 15}, {9, 13, 17}, 41, 5, false},
+        {5, 0x0df2, 0x31, 78, 17, 23, 29, {7, 11, 15}, {9, 13, 17}, 41, 5, false},
+        {3, 0x05c4, 0x01, 64, 13, 19, 10, {7, 11, 15}, {9, 13, 17}, 37, 2, true},
+        {5, 0x09cc, 0x11, 78, 15, 21, 12, {7, 9, 11}, {13, 15, 17}, 41, 5, true},
+    };
+    struct ap_quat first[500];
+    for (size_t k = 0; k < 4; k++) {
+        struct ap_feature_report *f = &info.features[0];
+        *f = (struct ap_feature_report){.len = kinds[k].feature_len, .bytes = {kinds[k].feature}};
+        for (size_t a = 0; a < 3; a++) {
+            put16(f->bytes + 1 + 2 * a, 5 - 7 * (int)a);
+            put16(f->bytes + kinds[k].plus[a], 8800 + 50 * (int)a);
+            put16(f->bytes + kinds[k].minus[a], -8800);
+            put16(f->bytes + 23 + 4 * a, 8200 + 10 * (int)a);
+            put16(f->bytes + 25 + 4 * a, -8100);
+        }
+        put16(f->bytes + 19, 540);
+        put16(f->bytes + 21, 540);
+        info.feature_count = 1;
+        const struct ap_driver *driver = plug(kinds[k].bus, 0x054c, kinds[k].product);
+        assert_ptr_equal(driver, &ap_driver_playstation);
+        for (int i = 0; i < 500; i++) {
+            uint8_t b[78] = {kinds[k].report};
+            uint32_t thirds = 4294900000u + 12000u * (uint32_t)i; // of a microsecond
+            uint32_t ticks = kinds[k].is_short ? thirds / 16 : thirds;
+            put16(b + kinds[k].ticks, (int)(ticks & 0xffff));
+            if (!kinds[k].is_short)
+                put16(b + kinds[k].ticks + 2, (int)(ticks >> 16));
+            for (size_t a = 0; a < 3; a++) {
+                put16(b + kinds[k].gyro + 2 * a, (int)(3000 * sin(0.02 * i + (double)a)));
+                put16(b + kinds[k].accel + 2 * a, a == 1 ? 8192 : 300 - 200 * (int)a);
+            }
+            if (kinds[k].len == 78)
+                put_crc(b, 78);
+            samples.count = 0;
+            assert_int_equal(driver->parse(&state, &info, 0, b, kinds[k].len, &samples),
+                             AP_REPORT_OK);
+            struct ap_quat q = samples.at[0].pose.q;
+            if (k == 0)
+                first[i] = q;
+            struct ap_quat d = ap_quat_mul(ap_quat_conj(first[i]), q);
+            close_to("turned from the first kind's", sqrt(d.x * d.x + d.y * d.y + d.z * d.z), 0,
+                     1e-12);
+        }
+    }
+    struct ap_quat way = ap_quat_mul(ap_quat_conj(first[0]), first[100]);
+    assert_true(fabs(way.w) < 0.99); // it did turn
+    info.feature_count = 0;
+}
+
 // Copies of these controllers answer with nonsense.
 static void test_calibration(void **unused) {
     (void)unused;
@@ -385,6 +446,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_crc),
         cmocka_unit_test(test_playstation_packets),
+        cmocka_unit_test(test_playstation_motion),
         cmocka_unit_test(test_calibration),
         cmocka_unit_test(test_xreal_packet),
         cmocka_unit_test(test_xreal_config),
