@@ -119,13 +119,14 @@ static enum ap_status print_json(struct ap_error *err, const struct ap_live *liv
     return ok ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "the list cannot be written");
 }
 
-static void print_list(const struct ap_live *live) {
+static void print_list(const struct ap_live *live, bool by_bus) {
     struct ap_live_device d;
     int count = ap_live_device_count(live);
     if (count)
         print_head();
     else
-        ap_log(AP_LOG_INFO, "no HID device is plugged in (/sys/class/hidraw has none)");
+        ap_log(AP_LOG_INFO, "no HID device is plugged in (%s)",
+               by_bus ? "that this --bus leads to" : "/sys/class/hidraw has none");
     for (int i = 0; i < count; i++) {
         ap_live_device_at(live, i, &d);
         print_device(&d);
@@ -206,11 +207,11 @@ static void watch(const struct ap_live *live, double seconds) {
     }
 }
 
-// Long enough to count reports.
+// Long enough to count reports, from when all have been switched on.
 static void listen(struct ap_live *live, double seconds) {
+    ap_live_settle(live, ap_clock_now_ns() + 3000 * MS);
     int64_t now_ns = ap_clock_now_ns();
     int64_t until_ns = now_ns + (isnan(seconds) ? 1200 * MS : (int64_t)(seconds * 1e9));
-    ap_live_settle(live, now_ns + 3000 * MS);
     while (!ap_end_asked() && now_ns < until_ns && ap_live_device_count(live)) {
         now_ns += 50 * MS;
         ap_clock_sleep_until_ns(now_ns);
@@ -230,7 +231,7 @@ static enum ap_status show(struct ap_error *err, const struct devices_options *o
     if (o->json)
         st = print_json(err, live);
     else if (!o->watch)
-        print_list(live);
+        print_list(live, o->live.bus.count > 0);
     fflush(stdout);
     print_reasons(live);
     if (!st && any_failed(live))
