@@ -434,7 +434,11 @@ enum ap_status ap_coherence_walk(struct ap_error *err, struct ap_space space,
     struct ap_iso expected =
         kind == AP_TRACKER_NAIVE ? ap_iso_inverse(space, loop_holonomy(space)) : AP_ISO_IDENTITY;
     made.defect = difference(ap_iso_mul(last, ap_iso_inverse(space, first)), expected);
-    *out = made;
+    if (made.defect < 1e-6)
+        *out = made;
+    else
+        st = ap_fail(err, AP_INPUT, "the room is too many radii of %g m large for doubles",
+                     space.rho_m);
 out:
     ap_tracker_destroy(tracker);
     return st;
@@ -498,7 +502,12 @@ enum ap_status ap_svg_coherence(struct ap_error *err, FILE *f, struct ap_space s
                                                  AP_TRACKER_BILLIARDS};
     for (int t = 0; t < 3 && !st; t++)
         st = ap_coherence_walk(err, space, kinds[t], &walks[t]);
-    if (!st) {
+    if (st == AP_INPUT) {
+        fprintf(f,
+                "<p>Not for a radius of %g m: beside it the loop is too large for doubles.</p>\n",
+                space.rho_m);
+        st = AP_OK;
+    } else if (!st) {
         svg_begin(f, 1060, 310, "how far the seen hand leaves the felt one");
         coherence_chart(f, walks, 56, false);
         coherence_chart(f, walks, 590, true);

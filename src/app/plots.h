@@ -38,10 +38,11 @@ struct ap_coherence {
     // in `naive`; the identity in the others.
     double defect;
 };
+// AP_INPUT: the radius is so small that doubles do not hold the loop's places to 1e-6.
 enum ap_status ap_coherence_walk(struct ap_error *err, struct ap_space space,
                                  enum ap_tracker_kind kind, struct ap_coherence *out);
 
-// The three trackers in one space: two charts and a table of numbers.
+// The three trackers in one space: two charts and a table of numbers; a sentence where doubles end.
 enum ap_status ap_svg_coherence(struct ap_error *err, FILE *f, struct ap_space space);
 
 #endif

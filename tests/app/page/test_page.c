@@ -222,10 +222,29 @@ static void trackers_bring_the_hand_back(void **state) {
         }
 }
 
+// A world whose cells are millimetres wide has a page too, without that chart and without NaN.
+static void a_radius_of_a_millimetre_has_no_loop(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct ap_space space = {-1, i ? 1e-3 : 0.05};
+        struct ap_error err = {""};
+        char *text = NULL;
+        size_t size = 0;
+        FILE *f = open_memstream(&text, &size);
+        assert_int_equal(ap_svg_coherence(&err, f, space), AP_OK);
+        fclose(f);
+        assert_non_null(strstr(text, "too large for doubles"));
+        assert_null(strstr(text, "nan"));
+        assert_null(strstr(text, "<svg"));
+        free(text);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(texts_are_escaped),
         cmocka_unit_test(trackers_bring_the_hand_back),
+        cmocka_unit_test(a_radius_of_a_millimetre_has_no_loop),
         cmocka_unit_test(the_page_holds_itself_together),
         cmocka_unit_test(a_page_without_anything_is_whole),
         cmocka_unit_test(the_tour_shows_all_spaces),
