@@ -44,7 +44,7 @@ enum ap_status ap_cell_view_create(struct ap_error *err, const struct ap_scene *
     for (size_t i = 0; i < scene->part_count; i++)
         if (in_cells(scene, &scene->parts[i]))
             view->parts[view->part_count++] = i;
-    return ap_cells_create(err, &h->tiling, &h->pairing, h->budget_bytes, &view->cells);
+    return ap_cells_create(err, &h->tiling, &h->pairing, h->budget_bytes / 2, &view->cells);
 }
 
 void ap_cell_view_destroy(struct ap_cell_view *view) {
@@ -303,8 +303,10 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
     set_horizon(&f);
     bring_hands_in(&f);
     f.windows = windows_are_clear(&f);
-    // A frame's list takes some 300 bytes a part.
-    size_t most = scene->honeycomb->budget_bytes / (512 * (view->part_count + 1)) + 64;
+    // The list and the buffers of two frames take some 700 bytes a part, growing included 1000. The
+    // cell she is in and those around it are always there.
+    size_t most = scene->honeycomb->budget_bytes / 2 / (1000 * (view->part_count + 1)) +
+                  (size_t)scene->honeycomb->tiling.face_count + 1;
     const struct ap_portal_params params = {
         .viewer = viewer,
         .horizon_m = f.horizon_m,

@@ -177,6 +177,12 @@ void ap_draw_list_sort(struct ap_draw_list *list) {
 // which is fine only where it is looked at; and no frame gets more of those than…
 enum { AHEAD_MAX = 2000, REFINED_MAX = 400000 };
 
+// In a world of cells with a small budget: fewer, at some 80 bytes each for what two frames hold.
+static size_t refined_max(const struct ap_scene *scene) {
+    size_t most = scene->honeycomb ? scene->honeycomb->budget_bytes / 4 / 80 : REFINED_MAX;
+    return most < REFINED_MAX ? most : REFINED_MAX;
+}
+
 enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,
                                  const struct ap_place *place, struct ap_draw_list *list,
                                  struct ap_draw_item *item) {
@@ -188,9 +194,9 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
     bool held =
         ap_choose_level(viewer, params->eyes, part, shape, place, params->max_error_px, &level);
     item->mesh = shape->mesh[level];
-    size_t used = list->refined.index_count / 3;
+    size_t used = list->refined.index_count / 3, most = refined_max(params->scene);
     bool fixed = part->kind == AP_PART_SOLID && part->form == AP_FORM_FACETS;
-    if (fixed || (held && item->mesh.index_count / 3 <= AHEAD_MAX) || used >= REFINED_MAX) {
+    if (fixed || (held && item->mesh.index_count / 3 <= AHEAD_MAX) || used >= most) {
         list->stats.beyond_bound += !held;
         return AP_OK;
     }
@@ -208,7 +214,7 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
         .solid = part->kind == AP_PART_SOLID ? &params->scene->solids[part->solid] : NULL,
         .closed = is_closed(item->pipeline),
         .any_depth = stretched || part->apart,
-        .triangles_max = REFINED_MAX - used};
+        .triangles_max = most - used};
     item->refined = true;
     list->stats.refined++;
     enum ap_status st =

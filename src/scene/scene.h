@@ -103,7 +103,7 @@ struct ap_honeycomb {
     struct ap_pairing pairing;
     bool quotient;       // the cells are one: the hands are in each of them
     double horizon_px;   // a cell that is seen with less than this radius is not drawn
-    size_t budget_bytes; // for the cells that are known
+    size_t budget_bytes; // half for the cells that are known, half for what is drawn of them
     struct ap_vec4 lamp; // of each cell, in its frame
     // Opaque walls with a window in each face, whose corners these are (cell's frame).
     bool has_walls;
