@@ -151,6 +151,25 @@ static enum ap_status place_all(struct ap_error *err, struct ap_body *body,
                                input->world_from_hand);
 }
 
+// In a world of cells whoever comes in stands in the middle of one: heads are as high over the
+// room's origin as walls may be.
+static enum ap_status begin(struct ap_error *err, struct ap_body *body,
+                            const struct ap_xr_frame *frame, struct ap_frame_input *input) {
+    const struct ap_scene *scene = body->room->scene;
+    bool may_go = body->room->tracker_params.kind == AP_TRACKER_ANCHOR;
+    if (body->has_begun || !body->head_known || !scene->honeycomb || !may_go)
+        return AP_OK;
+    body->has_begun = true;
+    const struct ap_vec4 middle = {0, 0, 0, scene->space.rho_m};
+    struct ap_iso head_from_world = ap_iso_inverse(scene->space, input->viewer.world_from_nose);
+    struct ap_vec3 way = ap_log_unchecked(scene->space, ap_iso_apply(&head_from_world, middle), 0);
+    struct ap_error why;
+    if (ap_tracker_carry(&why, body->room->tracker, frame->head.pose,
+                         (struct ap_pose){way, {0, 0, 0, 1}}))
+        return AP_OK; // where no tracker can go she begins where she is
+    return place_all(err, body, frame, input);
+}
+
 enum ap_status ap_body_step(struct ap_error *err, struct ap_body *body,
                             const struct ap_xr_frame *frame, bool still,
                             struct ap_frame_input *input) {
@@ -164,6 +183,8 @@ enum ap_status ap_body_step(struct ap_error *err, struct ap_body *body,
     if (out.carry && ap_tracker_carry(err, body->room->tracker, out.room_from_grip, out.motion))
         out.carry = false; // too far: she stays
     st = place_all(err, body, frame, input);
+    if (!st)
+        st = begin(err, body, frame, input);
     body->fade = out.fade;
     body->vignette = out.vignette;
     show_dots(body, &out, frame->hand[1].aim.pose);

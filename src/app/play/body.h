@@ -16,7 +16,7 @@ struct ap_body {
     struct ap_chaperone chaperone;
     bool fence;
     size_t first_dot, first_rail; // of the scene's parts
-    bool head_known;
+    bool head_known, has_begun;
     int64_t refused;       // poses that were not finite, or too far away to be told
     double fade, vignette; // to be shown in this frame
 };
@@ -27,8 +27,9 @@ enum ap_status ap_body_init(struct ap_error *err, struct ap_room *room, struct a
 void ap_body_settle(struct ap_body *body, const struct ap_play_settings *settings, double width_m,
                     double depth_m);
 
-// Places everything. still: sticks belong to the menu or the cue, nothing is carried. A pose that
-// is not finite, or too far away to be told, is that of a device that is lost.
+// Places everything; in a world of cells the head is in the middle of one at first. still: sticks
+// belong to the menu or the cue, nothing is carried. A pose that is not finite, or too far away to
+// be told, is that of a device that is lost.
 enum ap_status ap_body_step(struct ap_error *err, struct ap_body *body,
                             const struct ap_xr_frame *frame, bool still,
                             struct ap_frame_input *input);
