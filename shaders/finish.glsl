@@ -1,12 +1,6 @@
 // What a surface is made of, fragment by fragment, and its light: cloth with the shadows of balls and
 // the mouths of pockets, wood, billiard balls with stripe and number. Needs frame.glsl, light.glsl.
 
-// What a pipeline draws, so that none pays for what the others are made of (software Vulkan goes
-// through both sides of an if): nothing that is made of something; balls; sticks; sheets and solids;
-// what is matte.
-const int NOTHING = 0, BALLS = 1, STICKS = 2, SHEETS = 3, MATTE_ONLY = 4;
-layout(constant_id = 0) const int DRAWS = NOTHING;
-
 layout(set = 0, binding = 2) uniform sampler2DArray decals; // coverage; a layer a text
 
 // On the surface that takes them: balls that cast a shadow, and the mouths of pockets; their middles
@@ -112,8 +106,18 @@ vec3 pockets(vec3 color, vec4 p, float pixel) {
     return color;
 }
 
+// What a fragment needs of its Draw.
+struct Surface {
+    vec4 lamp, nose, color, shape, finish;
+};
+
+Surface surface_of(int draw) {
+    Draw d = draws[draw];
+    return Surface(d.lamp, d.nose, d.color, d.shape, d.finish);
+}
+
 // p, n: place and normal in the part's coordinates, as they were interpolated.
-vec3 finished(Draw d, vec4 p, vec4 n) {
+vec3 finished(Surface d, vec4 p, vec4 n) {
     int finish = int(d.finish.x);
     bool ball = DRAWS == BALLS || (DRAWS == MATTE_ONLY && d.shape.z == BALL);
     bool sheet = DRAWS == SHEETS, stick = DRAWS == STICKS;
@@ -138,7 +142,7 @@ vec3 finished(Draw d, vec4 p, vec4 n) {
     // triangles may be smaller than a pixel, and between two of them these jump.
     float pixel = lamp_light.z * sqrt(nose_square) / max(facing, 0.2);
     vec3 color = d.color.rgb;
-    float shine = ball ? 0.42 : finish == WOOD ? 0.14 : 0.0;
+    float shine = ball ? 0.42 : DRAWS != MATTE_ONLY && finish == WOOD ? 0.14 : 0.0;
     if (DRAWS != MATTE_ONLY && ball && finish >= POOL)
         color = ball_color(color, u, pixel / d.shape.x, finish == STRIPED, d.finish.y);
     else if (sheet && finish == CLOTH)

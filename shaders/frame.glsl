@@ -17,6 +17,12 @@ layout(std140, set = 0, binding = 0) uniform Frame {
     vec4 lamp_light; // S² of the distance where its light is 1; S of its radius; angle of a pixel
 };
 
+// What a pipeline draws, so that none pays for what the others are made of (software Vulkan goes
+// through both sides of an if): nothing that is made of something; balls; sticks; sheets and solids;
+// what is matte.
+const int NOTHING = 0, BALLS = 1, STICKS = 2, SHEETS = 3, MATTE_ONLY = 4;
+layout(constant_id = 0) const int DRAWS = NOTHING;
+
 // Fixed when a pipeline is made, so that no other world's arithmetic is in it: the sign of the
 // space's curvature, how it is looked at, and the sign of the space that she was born in.
 layout(constant_id = 1) const int kappa = 0;

@@ -30,6 +30,11 @@ layout(location = 5) flat out int image_of;
 layout(location = 6) out vec4 place; // in the part's coordinates
 layout(location = 7) out vec4 face;
 layout(location = 8) flat out int draw;
+// What a matte fragment needs of its draw: a software device reads a buffer once for each fragment, but
+// what is flat once for a triangle. Others compute so much that it is not worth a vertex's while.
+layout(location = 9) flat out vec4 lamp_of;
+layout(location = 10) flat out vec4 nose_of;
+layout(location = 11) flat out vec4 shape_of;
 #endif
 
 // A vertex's light: diffuse, gloss.
@@ -93,6 +98,11 @@ void main() {
     place = p;
     face = n;
     draw = gl_InstanceIndex;
+    if (DRAWS == MATTE_ONLY) {
+        lamp_of = d.lamp;
+        nose_of = d.nose;
+        shape_of = d.shape;
+    }
 #endif
 #ifdef GUARD
     curved = q;

@@ -69,7 +69,7 @@ void main() {
         }
     }
     if (DRAWS != NOTHING)
-        result = vec4(finished(d, place, face), 1.0);
+        result = vec4(finished(surface_of(draw), place, face), 1.0);
     else
         result = vec4(color.a > 0.5 ? min(color.rgb * light.x + light.y, vec3(1.0)) : color.rgb, 1.0);
 }

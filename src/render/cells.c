@@ -17,6 +17,7 @@ struct frame {
     const struct ap_frame_input *input;
     const struct ap_viewer *viewer;
     const struct ap_eyes *eyes;
+    int rank;                  // of the cell at hand
     struct ap_sides sides;     // of what the eyes may see of the cell at hand
     bool windows;              // walls stand before the cells
     double horizon_m, faint_m; // where parts are gone, and where they begin to fade
@@ -175,6 +176,7 @@ static enum ap_status add(struct ap_error *err, const struct frame *f,
     struct ap_draw_item item = {.part = (uint32_t)index,
                                 .image = cell->image,
                                 .eyes = 3,
+                                .rank = f->rank,
                                 .brightness = brightness(f, cell)};
     if (is_hand(part))
         item.brightness *= hand_brightness(f, cell, reach_m);
@@ -214,6 +216,13 @@ static enum ap_status add(struct ap_error *err, const struct frame *f,
     ap_draw_list_add(f->list, f->viewer, &item, cell->image ? turn - place.far_m : place.near_m,
                      cell->image ? turn - place.near_m : place.far_m);
     return AP_OK;
+}
+
+// Shells of half a cell's width: within one, equal meshes are drawn together.
+static int rank_of(const struct frame *f, const struct ap_seen_cell *cell) {
+    double d = cell->distance_m;
+    d = cell->image ? 2 * PI * f->viewer->space.rho_m - d : d;
+    return (int)(d / f->scene->honeycomb->tiling.inradius_m);
 }
 
 static bool missing(const struct frame *f, const struct ap_part *part) {
@@ -326,6 +335,7 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
     for (size_t i = 0; !st && i < view->portal.count; i++) {
         const struct ap_seen_cell *cell = &view->portal.seen[i];
         memset(view->level, UNKNOWN, view->shape_count);
+        f.rank = rank_of(&f, cell);
         if (f.windows)
             f.sides = sides_of_cell(&f, cell);
         for (size_t k = 0; !st && k < view->part_count; k++)

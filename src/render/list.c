@@ -43,6 +43,11 @@ void ap_draw_list_destroy(struct ap_draw_list *list) {
 static int compare_items(const void *left, const void *right) {
     const struct ap_draw_item *a = *(const struct ap_draw_item *const *)left,
                               *b = *(const struct ap_draw_item *const *)right;
+    bool disc = a->pipeline == AP_PIPELINE_DISC;
+    if (disc != (b->pipeline == AP_PIPELINE_DISC))
+        return disc ? 1 : -1;
+    if (a->rank != b->rank)
+        return a->rank < b->rank ? -1 : 1;
     if (a->pipeline != b->pipeline)
         return a->pipeline < b->pipeline ? -1 : 1;
     if (a->far_m != b->far_m)

@@ -13,6 +13,7 @@ struct ap_draw_item {
     int way; // native-of: 1, seen the long way round her own s3
     unsigned eyes;
     enum ap_pipeline_kind pipeline;
+    int rank;     // drawn in this order, near before far, so that what is hidden is not shaded
     bool refined; // mesh lies in the list's own data, not in the scene's
     struct ap_mesh mesh;
     double far_m; // discs: their order
