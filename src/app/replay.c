@@ -166,10 +166,11 @@ static void print_stats(const struct ap_replay *replay) {
     double views = t->drawn > 0 ? 2.0 * (double)t->drawn : 1;
     printf("frames: %lld stepped, %lld drawn\n", (long long)t->stepped, (long long)t->drawn);
     printf(
-        "an eye, on average: %.1f draws (%.1f of them behind s3's antipode), %.1f culled (%.1f of them turned away), "
+        "an eye, on average: %.1f draws (%.1f of them behind s3's antipode), %.1f culled (%.1f of them turned away, %.1f behind what is before s3's antipode), "
         "%.0f triangles, %.0f vertices mapped\n",
         (double)t->draws / views, (double)t->back_draws / views, (double)t->culled / views,
-        (double)t->turned_away / views, (double)t->triangles / views, (double)t->vertices / views);
+        (double)t->turned_away / views, (double)t->back_hidden / views,
+        (double)t->triangles / views, (double)t->vertices / views);
     printf("a frame, on average: %.1f parts with triangles of their own, %.2f beyond --max-error, "
            "%.2f out of domain\n",
            2 * (double)t->refined / views, 2 * (double)t->beyond_bound / views,

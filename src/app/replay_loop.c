@@ -151,6 +151,7 @@ static void count_views(struct ap_replay_totals *totals, const struct ap_frame_s
         totals->draws += s->draws;
         totals->culled += s->culled;
         totals->turned_away += s->turned_away;
+        totals->back_hidden += s->back_hidden;
         totals->back_draws += s->back_draws;
         totals->triangles += s->triangles;
         totals->vertices += s->vertices;

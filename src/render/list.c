@@ -278,6 +278,8 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
         return AP_OK;
     }
     unsigned open_eyes = ~params->input->closed_eyes;
+    for (int e = 0; e < 2; e++)
+        list->stats.eye[e].back_hidden += place.behind >> e & 1;
     double turn = 2 * PI * viewer->space.rho_m;
     enum ap_status st = AP_OK;
     for (int image = 0; st == AP_OK && image < (viewer->space.kappa > 0 ? 2 : 1); image++) {
@@ -305,6 +307,23 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
     return st;
 }
 
+// The polygons of s3 that hide what is seen the long way round.
+enum { SCREENS_MAX = 16 };
+static int find_screens(const struct ap_list_params *params, const struct ap_place_params *where,
+                        struct ap_screen screens[SCREENS_MAX]) {
+    const struct ap_scene *scene = params->scene;
+    double slack_rad =
+        4 * params->max_error_px / fmin(params->eyes->pixels[0], params->eyes->pixels[1]);
+    int count = 0;
+    for (size_t i = 0; where->viewer->space.kappa > 0 && i < scene->part_count; i++) {
+        const struct ap_part *part = &scene->parts[i];
+        if (count < SCREENS_MAX && !part->hidden && part->carrier == AP_CARRIER_WORLD &&
+            ap_place_screen(where, part, params->meshes->reach_m[i], slack_rad, &screens[count]))
+            count++;
+    }
+    return count;
+}
+
 enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_params *params,
                                  struct ap_draw_list *list) {
     const struct ap_frame_input *input = params->input;
@@ -316,6 +335,9 @@ enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_para
         ap_iso_mul(nose_from_world, input->world_from_hand[0]);
     where.nose_from_carrier[AP_CARRIER_RIGHT] =
         ap_iso_mul(nose_from_world, input->world_from_hand[1]);
+    struct ap_screen screens[SCREENS_MAX];
+    where.screen_count = find_screens(params, &where, screens);
+    where.screens = screens;
     list->count = 0;
     list->refined.vertex_count = list->refined.index_count = 0;
     memset(&list->stats, 0, sizeof list->stats);

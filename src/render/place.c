@@ -81,7 +81,27 @@ struct ap_place ap_place_part(const struct ap_place_params *params, const struct
         points[i] = ap_iso_apply(&place.nose_from_part, points[i]);
     for (int image = 0; image < (space.kappa > 0 ? 2 : 1); image++)
         place.eyes[image] = params->no_cull ? 3 : ap_visible_eyes(viewer, &bounds, image);
+    for (int i = 0; place.eyes[1] && i < params->screen_count; i++)
+        if (ap_screen_hides_back(viewer, &params->screens[i], points, bounds.count, bounds.radius_m,
+                                 place.near_m, place.far_m)) {
+            place.behind = place.eyes[1];
+            place.eyes[1] = 0;
+        }
     return place;
+}
+
+bool ap_place_screen(const struct ap_place_params *params, const struct ap_part *part,
+                     double reach_m, double slack_rad, struct ap_screen *screen) {
+    if (params->no_cull || part->kind != AP_PART_POLYGON || part->sides > AP_SCREEN_SIDES)
+        return false;
+    struct ap_place place = ap_place_part(params, part, reach_m);
+    struct ap_vec4 points[CORNERS_MAX];
+    double radius_m;
+    int count = hull(params->viewer->space, part, reach_m, points, &radius_m);
+    for (int i = 0; i < count; i++)
+        points[i] = ap_iso_apply(&place.nose_from_part, points[i]);
+    return ap_screen_of(params->viewer, points, count, place.near_m, place.far_m, slack_rad,
+                        screen);
 }
 
 bool ap_needs_guard(const struct ap_viewer *viewer, const struct ap_eyes *eyes,

@@ -4,22 +4,30 @@
 #include "src/render/frame.h"
 #include "src/render/meshes.h"
 #include "src/scene/scene.h"
+#include "src/view/screen.h"
 
 // Where a part is in a frame, as the nose sees it: all in double on the CPU.
 struct ap_place {
     struct ap_iso nose_from_part;
     double near_m, far_m; // every point's distance from the nose lies between (conservative)
     unsigned eyes[2];     // for image 0 and 1: bit e, eye e may see it
+    unsigned behind;      // that would see it in image 1 if nothing stood before it
 };
 
 struct ap_place_params {
     const struct ap_viewer *viewer;
     struct ap_iso nose_from_carrier[3]; // by enum ap_carrier, but for cells
     bool no_cull;
+    const struct ap_screen *screens; // what hides s3's back hemisphere
+    int screen_count;
 };
 
 struct ap_place ap_place_part(const struct ap_place_params *params, const struct ap_part *part,
                               double reach_m);
+
+// A polygon as a screen before s3's back hemisphere; false where it is none for sure.
+bool ap_place_screen(const struct ap_place_params *params, const struct ap_part *part,
+                     double reach_m, double slack_rad, struct ap_screen *screen);
 
 // False: somewhere in it is no number, or one that float32 cannot hold the products of.
 bool ap_place_in_domain(const struct ap_place *place);

@@ -59,6 +59,8 @@ struct ap_eye_stats {
     uint32_t draws;               // parts·images drawn that this eye may see
     uint32_t culled;              // parts·images that it cannot see
     uint32_t turned_away;         // of `culled`, those that it would only see the back of
+    uint32_t back_hidden;         // of `culled`, those of s3's back hemisphere that a polygon in
+                                  // front of them hides
     uint32_t back_draws;          // of `draws`, those of s3's back hemisphere
     uint64_t triangles, vertices; // mapped for it
 };

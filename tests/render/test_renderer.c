@@ -196,6 +196,51 @@ static void culling_changes_no_pixel(void **state) {
     }
 }
 
+// Of what is seen the long way round s3, that which a polygon stands before is left out, and
+// nothing of the picture: balls all around, whose images are behind the polygon, beside it and
+// across its rim.
+static void the_back_hemisphere_behind_a_polygon_costs_nothing(void **state) {
+    (void)state;
+    enum { BALLS = 60 };
+    struct ap_part parts[BALLS + 1];
+    parts[0] = (struct ap_part){.kind = AP_PART_POLYGON, .sides = 4, .edge_m = 0.8};
+    parts[0].carrier_from_part =
+        ap_iso_mul(ap_iso_translate(SPACES[0], (struct ap_vec3){0, 0, -0.6}),
+                   ap_iso_rotate(ap_quat_from_axis_angle((struct ap_vec3){1, 0, 0}, 1.3)));
+    for (int i = 0; i < BALLS; i++) {
+        struct ap_vec3 at = {0.9 * sin(1.7 * i), 0.9 * sin(2.9 * i + 1), 0.4 + 0.02 * i};
+        parts[i + 1] = stage_ball(SPACES[0], at, 0.01 + 0.001 * (i % 7), i % 2 ? RED : GREEN);
+        parts[i + 1].lit = i % 3 == 0;
+    }
+    struct ap_scene scene = stage_scene(SPACES[0], parts, BALLS + 1);
+    struct ap_renderer *culls = stage_renderer(&stage, &scene, NULL),
+                       *draws_all = stage_renderer(&stage, &scene,
+                                                   &(struct ap_renderer_params){.no_cull = true});
+    uint32_t hidden = 0, seen = 0;
+    for (int i = 0; i < 6; i++) {
+        struct ap_frame_input input = stage_input(SPACES[0], AP_VIEW_NATIVE, 0.8, 0.064);
+        struct ap_vec3 axis = {sin(2.0 * i), cos(3.0 * i), 0.3};
+        input.viewer.world_from_nose =
+            ap_iso_mul(ap_iso_translate(SPACES[0], (struct ap_vec3){0.02 * i, -0.03 * i, 0.02 * i}),
+                       ap_iso_rotate(ap_quat_from_axis_angle(ap_vec3_normalize(axis), 0.1 * i)));
+        struct ap_frame_stats with = stage_draw(&stage, culls, &input);
+        uint8_t *first = copy_picture();
+        struct ap_frame_stats without = stage_draw(&stage, draws_all, &input);
+        if (memcmp(first, stage_eye(&stage, 0), 2 * EYE_BYTES) != 0)
+            fail_msg("frame %d: the pictures differ", i);
+        free(first);
+        assert_int_equal(without.eye[0].back_hidden, 0);
+        for (int e = 0; e < 2; e++) {
+            hidden += with.eye[e].back_hidden;
+            seen += with.eye[e].back_draws;
+        }
+    }
+    print_message("hidden %u, drawn %u of those seen the long way round\n", hidden, seen);
+    assert_true(hidden > 30 && seen > 30);
+    ap_renderer_destroy(culls);
+    ap_renderer_destroy(draws_all);
+}
+
 static void what_is_behind_costs_nothing(void **state) {
     (void)state;
     for (int s = 1; s < 3; s++)
@@ -406,6 +451,7 @@ int main(void) {
         cmocka_unit_test(one_pass_equals_two),
         cmocka_unit_test(culling_changes_no_pixel),
         cmocka_unit_test(what_is_behind_costs_nothing),
+        cmocka_unit_test(the_back_hemisphere_behind_a_polygon_costs_nothing),
         cmocka_unit_test(the_back_hemisphere_is_seen_the_long_way),
         cmocka_unit_test(both_views_agree_at_the_nose),
         cmocka_unit_test(nothing_within_a_millimetre_is_drawn),
