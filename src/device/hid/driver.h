@@ -145,7 +145,7 @@ const struct ap_driver *ap_driver_find(const struct ap_device_info *info);
 int ap_driver_count(void);
 const struct ap_driver *ap_driver_at(int index);
 
-// What the driver's ids say of the device; NULL: they do not name it.
+// What the driver's ids say of the device; NULL: they do not name it, or not this interface of it.
 const struct ap_driver_ids *ap_driver_ids_of(const struct ap_driver *driver,
                                              const struct ap_device_info *info);
 

@@ -24,12 +24,17 @@ const struct ap_driver *ap_driver_at(int index) {
     return index >= 0 && index < ap_driver_count() ? drivers[index] : NULL;
 }
 
+static bool is_other_interface(const struct ap_driver_ids *id, const struct ap_device_info *info) {
+    int number = info->interface_number;
+    return info->interface_known && number >= 0 && number < 32 && id->not_interfaces >> number & 1;
+}
+
 const struct ap_driver_ids *ap_driver_ids_of(const struct ap_driver *driver,
                                              const struct ap_device_info *info) {
     for (const struct ap_driver_ids *id = driver->ids; id && id->vendor; id++)
         if (id->vendor == info->vendor && info->product >= id->first_product &&
             info->product <= id->last_product && (!id->bus || id->bus == info->bus))
-            return id;
+            return is_other_interface(id, info) ? NULL : id;
     return NULL;
 }
 
@@ -38,12 +43,7 @@ bool ap_driver_names(const struct ap_driver *driver, const struct ap_device_info
 }
 
 static bool matches(const struct ap_driver *driver, const struct ap_device_info *info) {
-    if (driver->match)
-        return driver->match(info);
-    const struct ap_driver_ids *ids = ap_driver_ids_of(driver, info);
-    bool other = info->interface_known && info->interface_number < 32 && ids &&
-                 ids->not_interfaces >> info->interface_number & 1;
-    return ids && !other;
+    return driver->match ? driver->match(info) : ap_driver_names(driver, info);
 }
 
 const struct ap_driver *ap_driver_find(const struct ap_device_info *info) {

@@ -91,6 +91,8 @@ bool live_is_wanted(const struct ap_live_place *place) {
     info.bus = place->bus;
     info.vendor = place->vendor;
     info.product = place->product;
+    info.interface_known = place->interface_number >= 0;
+    info.interface_number = place->interface_number;
     for (int i = 0; i < ap_driver_count(); i++)
         if (ap_driver_names(ap_driver_at(i), &info))
             return true;

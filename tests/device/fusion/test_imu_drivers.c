@@ -245,6 +245,14 @@ static void test_xreal_packet(void **unused) {
     assert_int_equal(ap_xreal_parse(b, 64, &p), AP_REPORT_BAD);
     b[0] = 0xaa;
     assert_int_equal(ap_xreal_parse(b, 64, &p), AP_REPORT_IGNORED);
+    // The fourth interface takes commands to the screens, but for the Ultra's.
+    info.interface_known = true;
+    info.interface_number = 4;
+    assert_null(plug(3, 0x3318, 0x0424));
+    assert_ptr_equal(plug(3, 0x3318, 0x0426), &ap_driver_xreal);
+    info.interface_number = 3;
+    assert_ptr_equal(plug(3, 0x3318, 0x0424), &ap_driver_xreal);
+    info.interface_known = false;
 }
 
 static const struct ap_driver *plug_xreal_and_answer(const char *config, size_t piece) {
