@@ -169,7 +169,7 @@ static const char SCRIPT[] =
     "do for [c=7:8] {\n"
     " set xlabel (c==7 ? 'position off at the end, rho' : 'defect of M^TGM - G').' (left is "
     "better; 0 is drawn at 1e-17)'\n"
-    " set key at screen (c==7 ? 0.27 : 0.77), screen 0.02 center bottom vertical maxrows 3\n"
+    " set key at screen (c==7 ? 0.32 : 0.77), screen 0.02 center bottom vertical maxrows 3\n"
     " plot for [s=0:2] $data skip 1 every ::(6*s)::(6*s+5) using c:5 with lines lw 1 lc rgb colour(s) "
     "notitle, for [s=0:2] for [p=0:5] $data skip 1 every ::(6*s+p)::(6*s+p) using c:5:4:6 with "
     "yerrorbars pt form[p+1] ps 1.3 lw 1.5 lc rgb colour(s) notitle, for [p=0:(c==7 ? 5 : -1)] "
