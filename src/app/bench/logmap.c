@@ -12,12 +12,13 @@
 // 1. Log-map formulas: nanoseconds a point against the worst relative error.
 
 // Points that fit the caches for the processor; enough of them to fill a device.
-enum { POINTS = 6000, DEVICE_POINTS = 1 << 18, REPEATS = 8 };
+enum { POINTS = 6000, DEVICE_POINTS = 1 << 18, DEVICE_POINTS_QUICK = 1 << 13, REPEATS = 8 };
 
 struct points {
     struct ap_points_f f;
     struct ap_points_d d;
-    float (*in)[4], (*out)[4];       // DEVICE_POINTS; the first POINTS are those of f
+    size_t device_points;
+    float (*in)[4], (*out)[4];       // device_points; the first POINTS are those of f
     long double (*exact)[3];         // of f's points, then of d's
     struct ap_logmap_device *device; // may be NULL
 };
@@ -71,7 +72,7 @@ static void exact(int kappa, const long double p[4], long double q[3]) {
 // of three.
 static void fill(struct points *p, int kappa) {
     const double pi = 3.14159265358979323846, far = kappa > 0 ? pi - 1e-5 : 80;
-    for (size_t i = 0; i < DEVICE_POINTS; i++) {
+    for (size_t i = 0; i < p->device_points; i++) {
         double u = ((double)(i % POINTS) + 0.5) / POINTS, turn = 2.4 * (double)i;
         double t = i % 3 == 0   ? u * far
                    : i % 3 == 1 ? 1e-8 * pow(2e8, u)
@@ -147,7 +148,7 @@ static enum ap_status run(struct ap_error *err, struct points *p, int kind, int 
         return AP_OK;
     default:
         return ap_logmap_device_map(err, p->device, (enum ap_logmap_way)(kind - GPU_POLY),
-                                    kappa_image, (const float(*)[4])p->in, DEVICE_POINTS, p->out,
+                                    kappa_image, (const float(*)[4])p->in, p->device_points, p->out,
                                     REPEATS);
     }
 }
@@ -205,7 +206,7 @@ static enum ap_status race(struct ap_error *err, const struct ap_bench *bench, s
                     return st;
             }
             clock_gettime(clock, &b);
-            double done = f->group == GLSL ? (double)DEVICE_POINTS * REPEATS : POINTS * 20.0;
+            double done = f->group == GLSL ? (double)p->device_points * REPEATS : POINTS * 20.0;
             if (round >= 0)
                 ns[i][round] =
                     ((double)(b.tv_sec - a.tv_sec) * 1e9 + (double)(b.tv_nsec - a.tv_nsec)) / done;
@@ -279,8 +280,8 @@ static bool allocate(struct points *p) {
         p->d.c[k] = calloc(POINTS, sizeof *p->d.c[k]);
         good = good && p->f.c[k] && p->d.c[k];
     }
-    p->in = calloc(DEVICE_POINTS, sizeof *p->in);
-    p->out = calloc(DEVICE_POINTS, sizeof *p->out);
+    p->in = calloc(p->device_points, sizeof *p->in);
+    p->out = calloc(p->device_points, sizeof *p->out);
     p->exact = calloc(2 * (size_t)POINTS, sizeof *p->exact);
     return good && p->in && p->out && p->exact;
 }
@@ -297,12 +298,12 @@ static void release(struct points *p) {
 }
 
 enum ap_status ap_bench_logmap(struct ap_error *err, const struct ap_bench *bench) {
-    struct points p = {0};
+    struct points p = {.device_points = bench->quick ? DEVICE_POINTS_QUICK : DEVICE_POINTS};
     struct findings found = {0, 0, 0};
     struct ap_bench_table table = {0};
     enum ap_status st = allocate(&p) ? AP_OK : ap_fail(err, AP_ENVIRONMENT, "out of memory");
     if (!st && bench->has_gpu)
-        st = ap_logmap_device_create(err, &bench->gpu, DEVICE_POINTS, &p.device);
+        st = ap_logmap_device_create(err, &bench->gpu, p.device_points, &p.device);
     if (!st)
         st = ap_bench_begin(err, "logmap",
                             "space,precision,way,formula,group,ns_low,ns,ns_high,worst_error",
