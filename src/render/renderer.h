@@ -19,7 +19,7 @@ struct ap_renderer;
 struct ap_renderer_params {
     VkFormat color_format;  // an sRGB format, or the result is written linear
     uint32_t width, height; // of one eye; both eyes are drawn at one size
-    uint32_t samples;       // a pixel: 4 (0), 16 or 64
+    uint32_t samples;       // a pixel: 4, 16 or 64; 0: 4, and how they are made is the renderer's
     double max_error_px;    // 0: 0.25; how far from its true direction a surface may be seen
     // The scene's texts as coverage, 0…255: a square of decal_px for each of its decals, one after
     // the other. Copied. NULL: balls bear none.

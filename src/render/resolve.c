@@ -4,6 +4,7 @@
 
 #include "shaders/resolve.frag.spv.h"
 #include "shaders/resolve.vert.spv.h"
+#include "shaders/resolve_one.frag.spv.h"
 #include "src/render/pipeline.h"
 
 struct push {
@@ -101,8 +102,10 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
                                       struct ap_resolve *r) {
     VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
     enum ap_status st = ap_gpu_shader(err, gpu, resolve_vert, sizeof resolve_vert, &vertex);
+    bool one = r->samples == 1;
     if (st == AP_OK)
-        st = ap_gpu_shader(err, gpu, resolve_frag, sizeof resolve_frag, &fragment);
+        st = ap_gpu_shader(err, gpu, one ? resolve_one_frag : resolve_frag,
+                           one ? sizeof resolve_one_frag : sizeof resolve_frag, &fragment);
     if (st == AP_OK) {
         struct ap_pipeline_params params = {.vertex = vertex,
                                             .fragment = fragment,
