@@ -73,7 +73,8 @@ static enum ap_status look_all(struct ap_error *err, struct contest *c) {
 
 // Of all scenes.
 struct findings {
-    double of_bound;      // the worst error over what was asked for
+    double of_bound;      // the worst error over what was asked for,
+    double given_up;      // likewise where a frame says that it cannot hold the bound
     double over_coarsest; // the finest frame's cost over the coarsest's, at most
 };
 
@@ -100,7 +101,8 @@ static enum ap_status measure(struct ap_error *err, const struct ap_bench *bench
                 fmax(c.errors[i].worst_px, LEAST_PX), c.errors[i].points, c.errors[i].beyond_bound,
                 (unsigned long long)(k->stats.eye[0].triangles + k->stats.eye[1].triangles),
                 k->stats.refined);
-        findings->of_bound = fmax(findings->of_bound, c.errors[i].worst_px / c.bounds_px[i]);
+        double *worst = c.errors[i].beyond_bound ? &findings->given_up : &findings->of_bound;
+        *worst = fmax(*worst, c.errors[i].worst_px / c.bounds_px[i]);
     }
     struct ap_spread finest = ap_bench_ratio(bench, &c.cases[c.count - 1], &c.cases[0]);
     findings->over_coarsest = st ? 0 : fmax(findings->over_coarsest, finest.median);
@@ -136,7 +138,7 @@ enum ap_status ap_bench_frames(struct ap_error *err, const struct ap_bench *benc
                                        "beyond_bound,triangles,refined",
                                        &table);
     char script[4096], names[512] = "", title[256];
-    struct findings findings = {0, 0};
+    struct findings findings = {0, 0, 0};
     for (int i = 0; i < ap_bench_view_count; i++)
         if (takes_part(bench, i))
             snprintf(names + strlen(names), sizeof names - strlen(names), "\"%s\" ",
@@ -146,11 +148,14 @@ enum ap_status ap_bench_frames(struct ap_error *err, const struct ap_bench *benc
     for (int i = 0; !st && i < ap_bench_view_count; i++)
         if (takes_part(bench, i))
             st = measure(err, bench, &ap_bench_views[i], table.csv, &findings);
-    snprintf(title, sizeof title,
-             "What a smaller error costs, frames of %ux%u pixels an eye: %g px up to %.1f times as "
-             "much as 4 px\\nworst error found: %.2f of what was asked for",
-             size[0], size[1], bench->quick ? 0.05 : 0.02, findings.over_coarsest,
-             findings.of_bound);
+    int len = snprintf(
+        title, sizeof title,
+        "What a smaller error costs, frames of %ux%u pixels an eye: %g px up to %.1f "
+        "times as much as 4 px\\nworst error found: %.2f of what was asked for",
+        size[0], size[1], bench->quick ? 0.05 : 0.02, findings.over_coarsest, findings.of_bound);
+    if (findings.given_up > 0)
+        snprintf(title + len, sizeof title - (size_t)len,
+                 "; %.2f where triangles run out, which is counted", findings.given_up);
     if (!st)
         st = ap_bench_end(err, bench, &table, title, bench->gpu.properties.deviceName, script);
     ap_bench_drop(&table);
