@@ -180,7 +180,7 @@ void ap_draw_list_sort(struct ap_draw_list *list) {
 
 // What the bound costs: a mesh of more triangles made ahead gives way to one made for this frame,
 // which is fine only where it is looked at; and no frame gets more of those than…
-enum { AHEAD_MAX = 2000, REFINED_MAX = 400000 };
+enum { AHEAD_MAX = 2000, REFINED_MAX = 1000000 };
 
 // In a world of cells with a small budget: fewer, at some 80 bytes each for what two frames hold.
 static size_t refined_max(const struct ap_scene *scene) {

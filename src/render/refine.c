@@ -42,6 +42,7 @@ struct work {
     struct ap_mesh_data *data;
     struct triangle *stack;
     size_t stack_count, stack_space, triangles;
+    bool faces;   // nodes know which way the surface is turned
     double taper; // of a stick: its normals are those of a straight one
     bool cut_all; // edges are cut unasked
     bool held;
@@ -75,6 +76,8 @@ static bool grow(struct work *w, void **array, size_t *space, size_t count, size
 static uint32_t add_node(struct work *w, struct ap_surface_point point) {
     if (!grow(w, (void **)&w->r->nodes, &w->r->node_space, w->r->node_count, sizeof *w->r->nodes))
         return 0;
+    if (w->faces)
+        ap_surface_face(&w->surface, &point);
     w->r->nodes[w->r->node_count].point = point;
     return (uint32_t)w->r->node_count++;
 }
@@ -242,7 +245,7 @@ static bool out_of_sight(const struct work *w, const struct triangle *t) {
 // between them is small where they differ little.
 static bool turned_away(const struct work *w, const struct triangle *t) {
     const struct ap_surface_point *p[3];
-    if (!w->surface.closed)
+    if (!w->faces)
         return false;
     double span = w->taper;
     for (int i = 0; i < 3; i++)
@@ -308,7 +311,8 @@ static void refine_all(struct work *w) {
 // --- what is refined
 
 static uint32_t node_at(struct work *w, double along, struct ap_vec3 from) {
-    struct ap_surface_point point = {.along = along, .from = from};
+    struct ap_surface_point point = {.from = from};
+    ap_surface_place(&w->surface, along, &point);
     ap_surface_see(&w->surface, &point);
     return add_node(w, point);
 }
@@ -407,7 +411,7 @@ enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
     w.surface =
         ap_surface_of(params->viewer, params->eyes, part, params->nose_from_part, params->image);
     w.surface.any_depth = params->any_depth;
-    w.surface.closed =
+    w.faces =
         params->closed && w.surface.shape != AP_SURFACE_SHEET && w.surface.mode == AP_VIEW_NATIVE;
     w.taper =
         part->kind == AP_PART_STICK ? fabs(part->radius2_m - part->radius_m) / part->length_m : 0;

@@ -29,6 +29,9 @@ struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_
                            .born = ap_viewer_born(viewer),
                            .image = image,
                            .nose_from_part = nose_from_part};
+    double r = part->radius_m / s.space.rho_m;
+    s.sine = ap_space_sin(s.space, r);
+    s.cosine = ap_space_cos(s.space, r);
     for (int e = 0; e < 2; e++) {
         s.eye_from_part[e] = eyes->eye_from_nose[e];
         if (s.mode == AP_VIEW_TOURIST)
@@ -48,31 +51,49 @@ static double stick_radius(const struct ap_surface *s, double at) {
     return (s->part->radius_m + t * (s->part->radius2_m - s->part->radius_m)) / s->space.rho_m;
 }
 
+static void radius_at(const struct ap_surface *s, double along, double *sine, double *cosine) {
+    *sine = s->sine;
+    *cosine = s->cosine;
+    if (s->part->kind != AP_PART_STICK)
+        return;
+    double r = stick_radius(s, along);
+    *sine = ap_space_sin(s->space, r);
+    *cosine = ap_space_cos(s->space, r);
+}
+
 // The axis of a stick is z, that of a solid's tube x.
 static struct ap_vec4 turned(const struct ap_surface *s, struct ap_vec4 p) {
     return s->part->form == AP_FORM_TUBE ? (struct ap_vec4){p.z, p.x, p.y, p.w} : p;
 }
 
 struct ap_surface_point ap_surface_point_of(const struct ap_surface *s, struct ap_vec4 p) {
-    struct ap_surface_point point = {.p = p};
+    struct ap_surface_point point = {.cosine = 1, .p = p};
     if (s->shape == AP_SURFACE_SHEET)
         point.p.y = 0;
     else if (s->shape == AP_SURFACE_BALL)
         point.from = unit((struct ap_vec3){p.x, p.y, p.z});
     else {
         point.from = unit((struct ap_vec3){p.y, p.z, 0});
-        point.along = s->space.kappa > 0   ? atan2(p.x, p.w)
-                      : s->space.kappa < 0 ? atanh(p.x / p.w)
-                                           : p.x / p.w;
+        ap_surface_place(s,
+                         s->space.kappa > 0   ? atan2(p.x, p.w)
+                         : s->space.kappa < 0 ? atanh(p.x / p.w)
+                                              : p.x / p.w,
+                         &point);
     }
     return point;
+}
+
+void ap_surface_place(const struct ap_surface *s, double along, struct ap_surface_point *point) {
+    point->along = along;
+    point->sine = ap_space_sin(s->space, along);
+    point->cosine = ap_space_cos(s->space, along);
 }
 
 // A point as far as `across` is the sine and `home` the cosine of, from the axis; with those turned
 // by a quarter the normal there.
 static struct ap_vec4 around_axis(struct ap_space space, const struct ap_surface_point *point,
                                   double across, double home) {
-    double ss = ap_space_sin(space, point->along), cs = ap_space_cos(space, point->along);
+    double ss = point->sine, cs = point->cosine;
     struct ap_vec3 u = ap_vec3_scale(across, point->from);
     return (struct ap_vec4){u.x, u.y, cs * u.z + ss * home, cs * home - space.kappa * ss * u.z};
 }
@@ -82,20 +103,18 @@ struct ap_vec4 ap_surface_normal(const struct ap_surface *s, const struct ap_sur
         return (struct ap_vec4){0, 1, 0, 0};
     if (s->part->kind == AP_PART_BALL)
         return (struct ap_vec4){point->from.x, point->from.y, point->from.z, 0};
-    double r = stick_radius(s, point->along);
-    return turned(s, around_axis(s->space, point, ap_space_cos(s->space, r),
-                                 -s->space.kappa * ap_space_sin(s->space, r)));
+    double sine, cosine;
+    radius_at(s, point->along, &sine, &cosine);
+    return turned(s, around_axis(s->space, point, cosine, -s->space.kappa * sine));
 }
 
 // The log map keeps lengths along the line of sight and stretches those across it; a normal is
 // stretched the other way.
-static struct ap_vec3 outward(const struct ap_surface *s, const struct ap_surface_point *point) {
+void ap_surface_face(const struct ap_surface *s, struct ap_surface_point *point) {
     struct ap_vec4 n = ap_surface_normal(s, point);
-    if (s->part->kind == AP_PART_BALL) {
-        double r = s->part->radius_m / s->space.rho_m, c = ap_space_cos(s->space, r);
-        n = (struct ap_vec4){c * n.x, c * n.y, c * n.z,
-                             -s->space.kappa * ap_space_sin(s->space, r)};
-    }
+    if (s->part->kind == AP_PART_BALL)
+        n = (struct ap_vec4){s->cosine * n.x, s->cosine * n.y, s->cosine * n.z,
+                             -s->space.kappa * s->sine};
     n = ap_iso_apply(&s->nose_from_part, n);
     double d = length(point->tangent_m), t = d / s->space.rho_m; // of image 1 beyond half a turn
     struct ap_vec3 u = ap_vec3_scale(1 / d, point->tangent_m), across = {n.x, n.y, n.z};
@@ -103,15 +122,15 @@ static struct ap_vec3 outward(const struct ap_surface *s, const struct ap_surfac
     double ss = ap_space_sin(s->space, t), along = ap_vec3_dot(across, u);
     double away = ap_space_cos(s->space, t) * along - ss * n.w;
     across = ap_vec3_sub(across, ap_vec3_scale(along, u));
-    return unit(ap_vec3_add(ap_vec3_scale(away, u), ap_vec3_scale(ss / t, across)));
+    point->outward = unit(ap_vec3_add(ap_vec3_scale(away, u), ap_vec3_scale(ss / t, across)));
 }
 
 void ap_surface_see(const struct ap_surface *s, struct ap_surface_point *point) {
     double rho = s->space.rho_m;
     if (s->shape != AP_SURFACE_SHEET) {
-        double r = stick_radius(s, point->along);
-        point->p = turned(
-            s, around_axis(s->space, point, ap_space_sin(s->space, r), ap_space_cos(s->space, r)));
+        double sine, cosine;
+        radius_at(s, point->along, &sine, &cosine);
+        point->p = turned(s, around_axis(s->space, point, sine, cosine));
     }
     struct ap_vec4 p_m = {rho * point->p.x, rho * point->p.y, rho * point->p.z, rho * point->p.w};
     if (s->mode == AP_VIEW_TOURIST) {
@@ -134,8 +153,6 @@ void ap_surface_see(const struct ap_surface *s, struct ap_surface_point *point) 
     }
     for (int e = 0; e < 2; e++)
         point->seen[e] = ap_pose_apply(s->eye_from_view[e], point->tangent_m);
-    if (s->closed)
-        point->outward = outward(s, point);
 }
 
 struct ap_surface_point ap_surface_middle(const struct ap_surface *s,
@@ -143,7 +160,14 @@ struct ap_surface_point ap_surface_middle(const struct ap_surface *s,
                                           const struct ap_surface_point *b) {
     struct ap_surface_point m = {0};
     if (s->shape != AP_SURFACE_SHEET) {
+        // Halfway between two points of a line of the plane, in the space's own measure.
+        double ss = a->sine + b->sine, cs = a->cosine + b->cosine;
+        double n = s->space.kappa > 0   ? sqrt(cs * cs + ss * ss)
+                   : s->space.kappa < 0 ? sqrt(cs * cs - ss * ss)
+                                        : cs;
         m.along = (a->along + b->along) / 2;
+        m.sine = ss / n;
+        m.cosine = cs / n;
         m.from = unit(ap_vec3_add(a->from, b->from));
     } else {
         struct ap_vec4 p = {a->p.x + b->p.x, 0, a->p.z + b->p.z, a->p.w + b->p.w};

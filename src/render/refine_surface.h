@@ -13,12 +13,12 @@ enum ap_surface_shape ap_surface_shape_of(const struct ap_part *part);
 // Of a ball and a tube: the place along the axis over rho (a ball's is 0), and the unit vector
 // from there, across a tube but in a stick's caps. Sheets need neither.
 struct ap_surface_point {
-    double along;
+    double along, sine, cosine; // and S and C of it
     struct ap_vec3 from;
     struct ap_vec4 p;         // in the part's coordinates, over rho
     struct ap_vec3 tangent_m; // relative to the nose; not in tourist view
     struct ap_vec3 seen[2];   // from each eye, in its axes: native metres, else a direction
-    struct ap_vec3 outward;   // closed surfaces in native view: their normal in tangent space, unit
+    struct ap_vec3 outward;   // what ap_surface_face gives
 };
 
 struct ap_surface {
@@ -28,8 +28,8 @@ struct ap_surface {
     enum ap_view_mode mode;
     struct ap_space born; // of AP_VIEW_BORN
     int image;
-    bool any_depth; // an error in depth does not count
-    bool closed;    // points are given their outward normal
+    bool any_depth;      // an error in depth does not count
+    double sine, cosine; // S and C of a ball's or a tube's radius
     struct ap_iso nose_from_part;
     struct ap_iso eye_from_part[2];  // tourist; AP_VIEW_BORN: of the nose in the space of her birth
     struct ap_pose eye_from_view[2]; // native
@@ -43,8 +43,13 @@ struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_
 // along and from of a point (over rho) of the surface of a solid with a form.
 struct ap_surface_point ap_surface_point_of(const struct ap_surface *surface, struct ap_vec4 p);
 
+// along, with its S and C.
+void ap_surface_place(const struct ap_surface *surface, double along,
+                      struct ap_surface_point *point);
 // Fills p, tangent_m and seen: from along and from, or (sheets) from p.
 void ap_surface_see(const struct ap_surface *surface, struct ap_surface_point *point);
+// Fills outward, the unit normal in tangent space, of a round surface in native view.
+void ap_surface_face(const struct ap_surface *surface, struct ap_surface_point *point);
 
 // Halfway between two points along the surface, seen.
 struct ap_surface_point ap_surface_middle(const struct ap_surface *surface,

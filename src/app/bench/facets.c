@@ -166,8 +166,8 @@ static bool between(const struct look *l, const struct ap_vec4 p[3], const doubl
         at->from = ap_vec3_add(at->from, ap_vec3_scale(share[k], c.from));
     }
     at->from = ap_vec3_normalize(at->from);
-    struct ap_surface surface = *s;
-    ap_surface_see(&surface, at);
+    ap_surface_place(s, at->along, at);
+    ap_surface_see(s, at);
     return true;
 }
 
