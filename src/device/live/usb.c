@@ -14,7 +14,7 @@
 #include "src/base/clock.h"
 #include "src/device/live/place.h"
 #include "src/device/live/queue.h"
-#include "src/device/live/usb_descriptor.h"
+#include "src/device/live/usb_known.h"
 
 // HID interfaces of USB devices that the kernel gives no hidraw node: sensors that its sensor hub
 // keeps to itself (before 6.5), kernels without usbhid. Found in sysfs, for libusb's own list stays
@@ -45,7 +45,7 @@ struct usb_bus {
     libusb_context *context;
     pthread_mutex_t lock;
     struct usb_device *devices;
-    struct ap_usb_descriptors *descriptors;
+    struct ap_usb_known *known;
     int rouse;
 };
 
@@ -107,15 +107,17 @@ static void node_path(const char *device, char *path, size_t size) {
 static bool is_wanted(struct usb_bus *bus, const char *interface, const char *node,
                       struct ap_live_place *place) {
     char driver[PATH_MAX];
-    if (place->descriptor_len || live_is_wanted(place))
-        return live_is_wanted(place);
     snprintf(driver, sizeof driver, "%s/%s/driver", DEVICES, interface);
     const struct ap_usb_place asked = {.folder = interface,
                                        .node = node,
                                        .interface = place->interface_number,
                                        .is_taken = access(driver, F_OK) == 0};
+    if (!ap_usb_is_settled(bus->known, &asked))
+        return false;
+    if (place->descriptor_len || live_is_wanted(place))
+        return live_is_wanted(place);
     place->descriptor_len =
-        ap_usb_descriptor(bus->descriptors, &asked, place->descriptor, sizeof place->descriptor);
+        ap_usb_descriptor(bus->known, &asked, place->descriptor, sizeof place->descriptor);
     return place->descriptor_len && live_is_wanted(place);
 }
 
@@ -142,8 +144,10 @@ static bool read_place(struct usb_bus *bus, const char *interface, struct ap_liv
     return true;
 }
 
-static int list(void *bus, struct ap_live_place *places, int max) {
+static int list(void *arg, struct ap_live_place *places, int max) {
+    struct usb_bus *bus = arg;
     int count = 0;
+    ap_usb_known_look(bus->known, ap_clock_now_ns());
     DIR *dir = opendir(DEVICES);
     for (struct dirent *e; dir && count < max && (e = readdir(dir));)
         if (strchr(e->d_name, ':') && read_place(bus, e->d_name, &places[count]))
@@ -421,7 +425,7 @@ static void destroy(void *arg) {
         libusb_exit(bus->context);
     if (bus->rouse >= 0)
         close(bus->rouse);
-    ap_usb_descriptors_destroy(bus->descriptors);
+    ap_usb_known_destroy(bus->known);
     pthread_mutex_destroy(&bus->lock);
     free(bus);
 }
@@ -451,8 +455,8 @@ enum ap_status ap_live_usb(struct ap_error *err, struct ap_live_bus *out) {
     pthread_mutex_init(&bus->lock, NULL);
     bus->rouse = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     libusb_set_option(NULL, LIBUSB_OPTION_NO_DEVICE_DISCOVERY);
-    bus->descriptors = ap_usb_descriptors_create();
-    int r = bus->rouse < 0 || !bus->descriptors ? LIBUSB_ERROR_NO_MEM : libusb_init(&bus->context);
+    bus->known = ap_usb_known_create();
+    int r = bus->rouse < 0 || !bus->known ? LIBUSB_ERROR_NO_MEM : libusb_init(&bus->context);
     if (r) {
         destroy(bus);
         return ap_fail(err, AP_ENVIRONMENT, "devices: libusb: %s", libusb_strerror(r));
