@@ -12,7 +12,9 @@
 //
 //   play_uhid [--rate HZ] [--count N] [--wait] [--serial TEXT] [--after S] [--hold S]
 //             [--late I --late-for S]
-//             [--sent FILE] RECORDING
+//             [--sent FILE] [--polite] RECORDING
+//
+// --polite: behind everybody else who wants the processor.
 
 static struct player player;
 static int readers;

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "src/device/hid/recording.h"
 
@@ -111,19 +112,13 @@ static double number_of(const char *text) {
 }
 
 static const struct option options[] = {
-    {"rate", required_argument, NULL, 'r'},
-    {"count", required_argument, NULL, 'n'},
-    {"wait", no_argument, NULL, 'w'},
-    {"serial", required_argument, NULL, 's'},
-    {"maker", required_argument, NULL, 'm'},
-    {"hold", required_argument, NULL, 'h'},
-    {"fail", required_argument, NULL, 'f'},
-    {"bare", no_argument, NULL, 'b'},
-    {"late", required_argument, NULL, 'l'},
-    {"late-for", required_argument, NULL, 'L'},
-    {"sent", required_argument, NULL, 'o'},
-    {"after", required_argument, NULL, 'a'},
-    {NULL, 0, NULL, 0},
+    {"rate", required_argument, NULL, 'r'},  {"count", required_argument, NULL, 'n'},
+    {"wait", no_argument, NULL, 'w'},        {"serial", required_argument, NULL, 's'},
+    {"maker", required_argument, NULL, 'm'}, {"hold", required_argument, NULL, 'h'},
+    {"fail", required_argument, NULL, 'f'},  {"bare", no_argument, NULL, 'b'},
+    {"late", required_argument, NULL, 'l'},  {"late-for", required_argument, NULL, 'L'},
+    {"sent", required_argument, NULL, 'o'},  {"after", required_argument, NULL, 'a'},
+    {"polite", no_argument, NULL, 'p'},      {NULL, 0, NULL, 0},
 };
 
 static void set_option(struct player *p, int letter, const char *value) {
@@ -154,6 +149,10 @@ static void set_option(struct player *p, int letter, const char *value) {
         break;
     case 'b':
         p->bare = true;
+        break;
+    case 'p':
+        if (nice(10) < 0)
+            player_die("cannot wait for others: %s", strerror(errno));
         break;
     case 'l':
         p->late_at = (int64_t)number_of(value);

@@ -19,7 +19,7 @@ enum {
     AP_LIVE_BUSES_MAX = 4,
     AP_LIVE_DEVICES_MAX = 128, // known at a time, unplugged ones too
     AP_LIVE_TRACKERS_MAX = 16, // of one device
-    AP_LIVE_ROLES_MAX = 64,
+    AP_LIVE_ROLES_MAX = 256,
     AP_LIVE_ROLE_NAME_MAX = 32,
 };
 

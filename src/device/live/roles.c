@@ -121,11 +121,14 @@ static bool is_reserved(const struct ap_live *live, int role) {
     return false;
 }
 
+// Room is left for the names that somebody has asked for.
 static int tracker_role(struct ap_live *live) {
     char name[AP_LIVE_ROLE_NAME_MAX];
+    int room = AP_LIVE_ROLES_MAX - (int)live->assignment_count;
     for (int n = 1; n <= AP_LIVE_ROLES_MAX; n++) {
         snprintf(name, sizeof name, "tracker%d", n);
-        int role = make_role(live, name);
+        int role =
+            ap_live_role_count(live) < room ? make_role(live, name) : ap_live_role(live, name);
         if (role >= 0 && is_free(live, role))
             return role;
     }
