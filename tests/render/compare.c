@@ -51,6 +51,7 @@ void compare_tally_add(struct compare_tally *sum, const struct compare_tally *mo
     put_all(&sum->seam_px, &more->seam_px);
     put_all(&sum->depth, &more->depth);
     put_all(&sum->direction_px, &more->direction_px);
+    put_all(&sum->near_px, &more->near_px);
     put_all(&sum->direction_arcmin, &more->direction_arcmin);
     sum->strange += more->strange;
     sum->antipode += more->antipode;
@@ -67,6 +68,7 @@ void compare_tally_finish(struct compare_tally *tally) {
     free(tally->edge_px.at);
     free(tally->seam_px.at);
     free(tally->depth.at);
+    free(tally->near_px.at);
     free(tally->direction_px.at);
     free(tally->direction_arcmin.at);
     memset(tally, 0, sizeof *tally);
@@ -244,6 +246,10 @@ static void look_at_direction(const struct compare *c, const struct pixel *p, do
     }
     if (off == INFINITY)
         return;
+    if (along_m < COMPARE_NEAR_M) {
+        put(&c->tally->near_px, off);
+        return;
+    }
     put(&c->tally->direction_px, off);
     put(&c->tally->direction_arcmin, angle * 180 / PI * 60);
     note(c, p, off, &c->tally->most_direction_px, c->tally->worst_direction);

@@ -25,7 +25,8 @@ struct compare_tally {
     struct compare_values depth;
     // Native: how far from its true direction the drawn point of a surface is seen.
     struct compare_values direction_px, direction_arcmin;
-    long strange; // pixels of what is not in the world
+    struct compare_values near_px; // likewise within COMPARE_NEAR_M of the eye
+    long strange;                  // pixels of what is not in the world
     // Where a tenth of rho or less of native view's line is left to the nose's antipode: pixels,
     // those that differ, and those farther off than the bound.
     long antipode, antipode_differ, antipode_off;
@@ -37,6 +38,7 @@ void compare_tally_add(struct compare_tally *sum, const struct compare_tally *mo
 void compare_tally_finish(struct compare_tally *tally);
 
 #define COMPARE_REACH_PX 3.0
+#define COMPARE_NEAR_M 0.05
 
 // Draws both eyes and looks for both. False: an eye is inside of something, and nothing was done.
 // pictures: NULL, or the beginning of names of PNG files to write: drawn, truth, both.

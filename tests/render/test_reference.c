@@ -154,7 +154,9 @@ static struct ap_frame_input frame_of(const struct ap_scene *scene, enum ap_view
     } else
         input.viewer.world_from_nose = awkward ? at_part(scene) : at_table(scene);
     for (int hand = 0; hand < 2; hand++) {
-        struct ap_vec3 v = {uniform(-0.3, 0.3), uniform(-0.3, 0.1), uniform(-0.6, -0.4)};
+        // Behind her, where s3 shows them the long way round, or before her.
+        double ahead = (i % 3 == 1 ? -1 : 1) * uniform(0.4, 0.6);
+        struct ap_vec3 v = {uniform(-0.3, 0.3), uniform(-0.3, 0.1), -ahead};
         input.hand_tracked[hand] = !scene->honeycomb;
         input.world_from_hand[hand] =
             ap_iso_mul(input.viewer.world_from_nose,
@@ -199,6 +201,7 @@ static bool report(struct row *row) {
     double most_px = row->bound_px + ROUNDING_PX, edge = compare_quantile(&t->edge_px, 1);
     double direction = compare_quantile(&t->direction_px, 1);
     bool bad = !(edge <= most_px) || !(direction <= most_px) ||
+               !(compare_quantile(&t->near_px, 1) <= 3 * most_px) ||
                !(compare_quantile(&t->seam_px, 1) <= 2 * most_px) || t->strange > 0 ||
                (t->pixels > 10000 && t->depth.count < 1000);
     printf("%-24.24s %-7s %4.2f | %3ld %7ld %5.0f", row->name, ap_view_mode_name(row->mode),
@@ -213,6 +216,8 @@ static bool report(struct row *row) {
         printf(" | near antipode %ld, %ld differ, %ld off", t->antipode + row->over.antipode,
                t->antipode_differ + row->over.antipode_differ,
                t->antipode_off + row->over.antipode_off);
+    if (t->near_px.count > 0)
+        printf(" | at the eye %.3f", compare_quantile(&t->near_px, 1));
     if (row->over.frames > 0)
         printf(" | bound not held in %ld frames: edge %.3f, direction %.3f", row->over.frames,
                compare_quantile(&row->over.edge_px, 1),
