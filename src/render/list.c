@@ -182,9 +182,9 @@ void ap_draw_list_sort(struct ap_draw_list *list) {
 // which is fine only where it is looked at; and no frame gets more of those than…
 enum { AHEAD_MAX = 2000, REFINED_MAX = 1000000 };
 
-// In a world of cells with a small budget: fewer, at some 80 bytes each for what two frames hold.
+// In a world of cells with a small budget: fewer, at some 60 bytes each for what two frames hold.
 static size_t refined_max(const struct ap_scene *scene) {
-    size_t most = scene->honeycomb ? scene->honeycomb->budget_bytes / 4 / 80 : REFINED_MAX;
+    size_t most = scene->honeycomb ? scene->honeycomb->budget_bytes / 4 / 64 : REFINED_MAX;
     return most < REFINED_MAX ? most : REFINED_MAX;
 }
 
