@@ -283,7 +283,7 @@ int main(int argc, char **argv) {
     static const struct {
         const char *name;
         int places;
-    } SCENES[] = {{"honeycomb:5,3,4,walls,struts,balls,horizon=150", 5},
+    } SCENES[] = {{"honeycomb:5,3,4,walls,struts,balls,horizon=150", 4},
                   {"honeycomb:4,3,4,walls,struts,horizon=150", 2},
                   {"honeycomb:4,3,3,walls,struts", 4}};
     static const double BOUNDS[] = {0.25, 0.05};
