@@ -167,7 +167,7 @@ static double pixels_of(const struct ap_viewer *viewer, const struct ap_eyes *ey
 // the middle of a facet lies at the distance m from the axis with tan m = tan r · cos grain (tanh
 // in h3).
 static double outline_error(const struct ap_viewer *viewer, const struct ap_eyes *eyes, double r_m,
-                            double d_m, double grain) {
+                            double d_m, double grain, double step_m) {
     struct ap_space space = viewer->space;
     double rho = space.rho_m, reach = eyes->reach_m;
     double r = r_m / rho, far = (d_m + reach) / rho, near = fmax(d_m - reach, 0) / rho;
@@ -177,9 +177,14 @@ static double outline_error(const struct ap_viewer *viewer, const struct ap_eyes
     double sr = ap_space_sin(space, r), a = sr / s;
     if (!(s > 0) || !(a < 0.95))
         return INFINITY;
-    double t = sr / ap_space_cos(space, r) * cos(grain);
-    double sm = t / sqrt(1 + space.kappa * t * t);
-    return asin(a) - asin(sm / s);
+    // Along a tube a facet's edge is a geodesic: in h3 its middle is nearer to the axis than the
+    // tube is (tanh by cosh of half the step), in s3 farther (tan by cos).
+    double whole = sr / ap_space_cos(space, r), half = step_m / 2 / rho;
+    double low = whole * cos(grain) / (space.kappa < 0 ? cosh(half) : 1);
+    double high = space.kappa > 0 ? whole / cos(fmin(half, 1.5)) : whole;
+    double sunk = asin(a) - asin(low / sqrt(1 + space.kappa * low * low) / s);
+    double raised = high / sqrt(1 + space.kappa * high * high) / s;
+    return raised < 1 ? fmax(sunk, asin(raised) - asin(a)) : INFINITY;
 }
 
 double ap_edge_miss_h3(double length, double d) {
@@ -236,10 +241,10 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
     double grain = shape->grain[level], step = shape->step_m[level];
     switch (part->kind) {
     case AP_PART_BALL:
-        return outline_error(viewer, eyes, part->radius_m, centre, grain) < max_rad &&
+        return outline_error(viewer, eyes, part->radius_m, centre, grain, 0) < max_rad &&
                2 * part->radius_m * grain < longest;
     case AP_PART_STICK:
-        return outline_error(viewer, eyes, radius, place->near_m + radius, grain) +
+        return outline_error(viewer, eyes, radius, place->near_m + radius, grain, step) +
                        edge_error(viewer, eyes, place, step, false) <
                    max_rad &&
                fmax(step, 2 * radius * grain) < longest;
@@ -251,7 +256,8 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
     case AP_PART_SOLID:
         if (shape->levels < 2 || (grain == 0 && step == 0)) // it is what its mesh says
             return true;
-        return (radius > 0 ? outline_error(viewer, eyes, radius, place->near_m + radius, grain)
+        return (radius > 0 ? outline_error(viewer, eyes, radius, place->near_m + radius, grain,
+                                           part->form == AP_FORM_TUBE ? step : 0)
                            : 0) +
                        edge_error(viewer, eyes, place, step, false) <
                    max_rad &&
