@@ -10,12 +10,15 @@ ci="$work/small.json"
 sed 's/\[360, 400\]/[96, 96]/; s/"refresh_hz": 90/"refresh_hz": 30/' "$source_dir/src/device/headsets/ci.json" >"$ci"
 export XDG_CONFIG_HOME="$work/config" XDG_STATE_HOME="$work/state"
 
-# stroke V SECONDS: both hands drive the cue along −z at V m/s through the cue ball on e3's head spot.
+# stroke V SECONDS [EVERY]: both hands drive the cue along −z at V m/s through the cue ball on e3's
+# head spot, again every so many seconds.
 stroke() {
-	awk -v V="$1" -v S="$2" 'BEGIN {
+	awk -v V="$1" -v S="$2" -v EVERY="${3:-$2}" 'BEGIN {
 		print "t_ns,device,px,py,pz,qx,qy,qz,qw"
 		for (k = 0; k <= S * 90; k++) {
 			t = k / 90; ns = sprintf("%.0f", k * 1e9 / 90)
+			while (t > EVERY)
+				t -= EVERY
 			s = t < 0.4 ? 0.2 : t < 0.4 + 0.25 / V ? 0.2 - V * (t - 0.4) : -0.05
 			printf "%s,head,0.1,1.5,1.3,-0.2,0,0,0.98\n", ns
 			printf "%s,left,0,0.778575,%.9f,0,0,0,1\n", ns, 0.27 + s + 0.2
@@ -74,20 +77,22 @@ expect 0 'goes on' $play --game nine-ball --record "$work/on" "$work/short.csv"
 cmp -s "$work/on/start.json" "$work/cut/game.json" || fail "it does not go on where it was"
 grep -q '"shots": 0' "$work/on/start.json" && fail "a new rack"
 
-# Ctrl-C in the middle of a shot.
+# Ctrl-C in the middle of a shot. By the real clock a busy machine may show too few frames of a
+# stroke to strike, so there are more.
+stroke 1.2 60 2 >"$work/strokes.csv"
 rm -r "$XDG_STATE_HOME"
 "$antipode" play --simulated --no-window --headset "$ci" --space e3 --game free --stats \
-	"$work/stroke.csv" >"$work/log" 2>&1 &
+	"$work/strokes.csv" >"$work/log" 2>&1 &
 pid=$!
 kept="$XDG_STATE_HOME/antipode/game-e3-free.json"
 n=0
-while [ ! -e "$kept" ] && [ $n -lt 300 ]; do
+while [ ! -e "$kept" ] && [ $n -lt 600 ]; do
 	sleep 0.1
 	n=$((n + 1))
 done
 kill -INT $pid
 wait $pid || fail "Ctrl-C: status $?: $(tail -n 3 "$work/log")"
-grep -q '"shots": 1' "$kept" || fail "Ctrl-C: the shot is not kept"
+grep -q '"shots": [1-9]' "$kept" || fail "Ctrl-C: the shot is not kept"
 no_parts "$work"
 
 # A game of another version, or of another table, is told and kept.
