@@ -87,10 +87,10 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct frame *f,
     struct ap_place whole = *place;
     whole.nose_from_part = cell->nose_from_cell;
     if (!near_cell && *level == UNKNOWN)
-        *level =
-            ap_choose_level(f->viewer, f->eyes, part, shape, &whole, f->what->max_error_px, &chosen)
-                ? (signed char)chosen
-                : NONE_HOLDS;
+        *level = ap_choose_level(f->viewer, f->eyes, part, shape, &whole, item->image,
+                                 f->what->max_error_px, &chosen)
+                     ? (signed char)chosen
+                     : NONE_HOLDS;
     if (near_cell || *level == NONE_HOLDS)
         return ap_draw_list_mesh(err, f->what, place, f->list, item);
     item->mesh = shape->mesh[*level];

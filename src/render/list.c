@@ -196,8 +196,8 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
     const struct ap_shape *shape =
         &params->meshes->shapes[params->meshes->shape_of_part[item->part]];
     int level;
-    bool held =
-        ap_choose_level(viewer, params->eyes, part, shape, place, params->max_error_px, &level);
+    bool held = ap_choose_level(viewer, params->eyes, part, shape, place, item->image,
+                                params->max_error_px, &level);
     item->mesh = shape->mesh[level];
     size_t used = list->refined.index_count / 3, most = refined_max(params->scene);
     bool fixed = part->kind == AP_PART_SOLID && part->form == AP_FORM_FACETS;

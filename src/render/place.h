@@ -37,7 +37,7 @@ bool ap_place_in_domain(const struct ap_place *place);
 // bounds; ap_refine_part looks closer.
 bool ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                      const struct ap_part *part, const struct ap_shape *shape,
-                     const struct ap_place *place, double max_error_px, int *level);
+                     const struct ap_place *place, int image, double max_error_px, int *level);
 
 // How far 1/distance is off in h3, at most, on a straight triangle in tangent space for a geodesic
 // one: over 1/rho; the longest edge and the distance of the nearest point over rho, length < d. It
@@ -45,6 +45,11 @@ bool ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
 // 1.62 times that edge (tests/render/test_edge.c). Far off it allows three times what length²/(9·d)
 // does.
 double ap_edge_miss_h3(double length, double d);
+
+// The same in s3 seen the long way round, where what is near, as far as half a turn off, takes up
+// much of the picture: the longest edge, the nearest and the farthest distance by the short way,
+// over rho; length < near.
+double ap_edge_miss_long_way(double length, double near, double far);
 
 // Whether fragments must be looked at: something of it may come within the forbidden distance of an
 // eye or an antipode, or its facets may straddle s3's antipode, or an eye may be inside it.
