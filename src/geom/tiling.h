@@ -31,8 +31,9 @@ struct ap_window {
     struct ap_vec4 corner_m[5];
 };
 
-// The cell's frame: its centre at the base point, face 0 toward −y (a floor), an edge of it toward
-// −z. x → −x is a symmetry of the cell that fixes face 0 and edge 0.
+// The cell's frame: its centre at the base point, face 0 toward −y (a floor), its edge 0 toward +z,
+// so that −z is a corner's side where p is odd. x → −x is a symmetry of the cell that fixes face 0
+// and edge 0.
 struct ap_tiling {
     struct ap_symbol symbol;
     struct ap_space space;
