@@ -104,14 +104,15 @@ static void node_path(const char *device, char *path, size_t size) {
 
 // What no driver of ours knows by its ids is asked for its descriptor, if the kernel leaves it
 // alone.
-static bool is_wanted(struct usb_bus *bus, const char *interface, const char *node,
+static bool is_wanted(struct usb_bus *bus, const char *interface, const char *node, bool has_node,
                       struct ap_live_place *place) {
     char driver[PATH_MAX];
     snprintf(driver, sizeof driver, "%s/%s/driver", DEVICES, interface);
     const struct ap_usb_place asked = {.folder = interface,
                                        .node = node,
                                        .interface = place->interface_number,
-                                       .is_taken = access(driver, F_OK) == 0};
+                                       .is_taken = access(driver, F_OK) == 0,
+                                       .has_node = has_node};
     if (!ap_usb_is_settled(bus->known, &asked))
         return false;
     if (place->descriptor_len || live_is_wanted(place))
@@ -134,7 +135,8 @@ static bool read_place(struct usb_bus *bus, const char *interface, struct ap_liv
     place->product = (uint16_t)read_number(device, "idProduct", 16);
     place->interface_number = (int)read_number(interface, "bInterfaceNumber", 16);
     node_path(device, node, sizeof node);
-    if (look_for_hid(interface, place) || !is_wanted(bus, interface, node, place))
+    bool has_node = look_for_hid(interface, place);
+    if (!is_wanted(bus, interface, node, has_node, place))
         return false;
     snprintf(place->path, sizeof place->path, "usb:%s:%d", device, place->interface_number);
     snprintf(place->port, sizeof place->port, "%s", interface);

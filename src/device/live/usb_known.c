@@ -60,7 +60,12 @@ static struct known *find(struct ap_usb_known *k, const struct ap_usb_place *pla
 }
 
 bool ap_usb_is_settled(struct ap_usb_known *known, const struct ap_usb_place *place) {
-    const struct known *one = find(known, place);
+    struct known *one = find(known, place);
+    if (place->has_node) {
+        one->was_there = false;
+        one->since_ns = known->now_ns;
+        return false;
+    }
     return one->was_there || known->now_ns - one->since_ns >= SETTLED_NS;
 }
 

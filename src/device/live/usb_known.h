@@ -20,13 +20,15 @@ struct ap_usb_place {
     const char *node;   // of the device
     int interface;
     bool is_taken; // a driver has it (or we have): only what is known already is given
+    bool has_node; // the kernel gives it to everybody by hidraw
 };
 
 // A new look at now_ns begins. What is there at the first one has been there.
 void ap_usb_known_look(struct ap_usb_known *known, int64_t now_ns);
 
-// False for 0.4 s from the look on that found it: the kernel's own driver may be on its way, and
-// two must not fight for an interface.
+// False for 0.4 s from the look on that found it, and from the last one that found it with a node:
+// the kernel's own driver may be on its way, and two must not fight for an interface; or it is
+// being unplugged, and what is left of it for a moment is no other device.
 bool ap_usb_is_settled(struct ap_usb_known *known, const struct ap_usb_place *place);
 
 // The descriptor of an interface into bytes; its length, 0 where it may not be asked or the device

@@ -28,6 +28,15 @@ static void test_settled(void **state) {
     assert_false(ap_usb_is_settled(known, &again)); // plugged in once more: another node
     ap_usb_known_look(known, 6300 * MS);
     assert_true(ap_usb_is_settled(known, &again));
+    // What had a node until now is being unplugged, or its driver unbound.
+    const struct ap_usb_place node = {
+        .folder = "1-2:1.0", .node = "/dev/bus/usb/001/004", .has_node = true};
+    ap_usb_known_look(known, 7000 * MS);
+    assert_false(ap_usb_is_settled(known, &node));
+    ap_usb_known_look(known, 7100 * MS);
+    assert_false(ap_usb_is_settled(known, &again));
+    ap_usb_known_look(known, 7400 * MS);
+    assert_true(ap_usb_is_settled(known, &again));
     // More than are remembered: the oldest are met anew.
     for (int i = 0; i < 100; i++) {
         char folder[16] = {'3', '-', (char)('0' + i / 10), (char)('0' + i % 10), 0};
