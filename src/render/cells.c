@@ -158,16 +158,6 @@ static bool turned_away(const struct frame *f, const struct ap_place *place,
     return true;
 }
 
-// How near anything of it comes to the nose, by the plane that a wall lies in or the line that a
-// strut is about.
-static double clearance(struct ap_space space, const struct ap_part *part, struct ap_vec4 nose) {
-    double s = part->form == AP_FORM_PLANE  ? fabs(nose.y) / space.rho_m
-               : part->form == AP_FORM_TUBE ? hypot(nose.y, nose.z) / space.rho_m
-                                            : 0;
-    double t = space.kappa > 0 ? asin(fmin(s, 1)) : space.kappa < 0 ? asinh(s) : s;
-    return t * space.rho_m - (part->form == AP_FORM_TUBE ? part->radius_m : 0);
-}
-
 static enum ap_status add(struct ap_error *err, const struct frame *f,
                           const struct ap_seen_cell *cell, size_t index) {
     const struct ap_part *part = &f->scene->parts[index];
@@ -200,7 +190,7 @@ static enum ap_status add(struct ap_error *err, const struct frame *f,
     const struct ap_shape *shape = &f->meshes->shapes[f->meshes->shape_of_part[index]];
     if (item.eyes && shape->out_count) {
         struct ap_vec4 nose = nose_in_part(f, &item);
-        double clear = near_cell ? clearance(space, part, nose) : 0;
+        double clear = near_cell ? ap_clearance(space, part, nose) : 0;
         place.near_m = fmax(place.near_m, clear);
         if (space.kappa > 0)
             place.far_m = fmin(place.far_m, PI * rho - clear);

@@ -15,13 +15,14 @@ static double arc(struct ap_space space, double s) {
     return t * space.rho_m;
 }
 
-// Least distance from the nose, and in s3 from its antipode, that the part's own symmetry allows: a
-// polygon lies in its plane, a stick about its axis.
-static double clearance(struct ap_space space, const struct ap_part *part,
-                        struct ap_vec4 nose_in_part) {
+double ap_clearance(struct ap_space space, const struct ap_part *part,
+                    struct ap_vec4 nose_in_part) {
     double rho = space.rho_m;
-    if (part->kind == AP_PART_POLYGON)
+    enum ap_form form = ap_part_form(part);
+    if (form == AP_FORM_PLANE)
         return arc(space, fabs(nose_in_part.y) / rho);
+    if (form == AP_FORM_TUBE)
+        return fmax(0, arc(space, hypot(nose_in_part.y, nose_in_part.z) / rho) - part->radius_m);
     if (part->kind == AP_PART_STICK)
         return fmax(0, arc(space, hypot(nose_in_part.x, nose_in_part.y) / rho) -
                            fmax(part->radius_m, part->radius2_m));
@@ -64,7 +65,7 @@ struct ap_place ap_place_part(const struct ap_place_params *params, const struct
     struct ap_vec4 centre = ap_iso_apply(&place.nose_from_part, base);
     struct ap_iso part_from_nose = ap_iso_inverse(space, place.nose_from_part);
     double d = ap_vec3_length(ap_log_unchecked(space, centre, 0));
-    double clear = clearance(space, part, ap_iso_apply(&part_from_nose, base));
+    double clear = ap_clearance(space, part, ap_iso_apply(&part_from_nose, base));
     place.near_m = fmax(fmax(d - reach_m, clear), 0);
     place.far_m = d + reach_m;
     if (space.kappa > 0)

@@ -25,6 +25,11 @@ struct ap_place_params {
 struct ap_place ap_place_part(const struct ap_place_params *params, const struct ap_part *part,
                               double reach_m);
 
+// Least distance (metres) from the nose, and in s3 from its antipode, that the part's own symmetry
+// allows: a polygon and a wall lie in their plane, a stick and a strut about their axis.
+// nose_in_part: the nose in the part's coordinates.
+double ap_clearance(struct ap_space space, const struct ap_part *part, struct ap_vec4 nose_in_part);
+
 // A polygon as a screen before s3's back hemisphere; false where it is none for sure.
 bool ap_place_screen(const struct ap_place_params *params, const struct ap_part *part,
                      double reach_m, double slack_rad, struct ap_screen *screen);
