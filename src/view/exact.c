@@ -4,16 +4,21 @@
 
 static const double PI = 3.14159265358979323846;
 
-bool ap_exact_pixel(const struct ap_viewer *viewer, const uint32_t size_px[2], int eye,
-                    struct ap_vec3 tangent_m, double px[2]) {
-    const struct ap_frustum *f = &viewer->eye[eye].frustum;
-    struct ap_vec3 p =
-        ap_eye_from_tangent(&viewer->eye[eye], (struct ap_tangent_point){tangent_m}).x;
-    double a = p.x / -p.z, b = p.y / -p.z;
+bool ap_exact_pixel_at(const struct ap_view_eye *eye, const uint32_t size_px[2], struct ap_vec3 at,
+                       double px[2]) {
+    const struct ap_frustum *f = &eye->frustum;
+    double a = at.x / -at.z, b = at.y / -at.z;
     px[0] = size_px[0] * (a - f->left) / (f->right - f->left);
     px[1] = size_px[1] * (f->up - b) / (f->up - f->down);
-    return p.z < 0 && ap_vec3_length(p) > AP_NEAR_M && a > f->left && a < f->right && b > f->down &&
-           b < f->up;
+    return at.z < 0 && ap_vec3_length(at) > AP_NEAR_M && a > f->left && a < f->right &&
+           b > f->down && b < f->up;
+}
+
+bool ap_exact_pixel(const struct ap_viewer *viewer, const uint32_t size_px[2], int eye,
+                    struct ap_vec3 tangent_m, double px[2]) {
+    const struct ap_view_eye *of = &viewer->eye[eye];
+    return ap_exact_pixel_at(of, size_px,
+                             ap_eye_from_tangent(of, (struct ap_tangent_point){tangent_m}).x, px);
 }
 
 bool ap_exact_on_plane(struct ap_space space, const struct ap_iso *part_from_nose, struct ap_vec3 u,

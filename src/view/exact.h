@@ -13,6 +13,10 @@
 bool ap_exact_pixel(const struct ap_viewer *viewer, const uint32_t size_px[2], int eye,
                     struct ap_vec3 tangent_m, double px[2]);
 
+// The same of a place in that eye's axes, as far as the picture goes along a line through the eye.
+bool ap_exact_pixel_at(const struct ap_view_eye *eye, const uint32_t size_px[2], struct ap_vec3 at,
+                       double px[2]);
+
 // The point of the part's plane y = 0 in the direction u (unit) from the nose, in s3 the one whose
 // distance is next to d_flat_m. False: there is none. Closed form: along a geodesic y goes as
 // C·n.y + S·u.y of its place and direction.

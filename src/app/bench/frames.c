@@ -12,7 +12,8 @@ static const double BOUNDS_QUICK_PX[] = {4, 1, 0.25, 0.05};
 enum {
     BOUNDS = sizeof BOUNDS_PX / sizeof *BOUNDS_PX,
     BOUNDS_QUICK = sizeof BOUNDS_QUICK_PX / sizeof *BOUNDS_QUICK_PX,
-    PLACES = 4
+    PLACES = 4,
+    POINTS = 12000 // of a frame
 };
 static const double LEAST_PX = 0.001; // what is below is drawn as this
 
@@ -57,7 +58,6 @@ static struct ap_frame_input place_of(const struct contest *c, int place) {
 }
 
 static enum ap_status look_all(struct ap_error *err, struct contest *c) {
-    const uint32_t size_px[2] = {c->screen.width, c->screen.height};
     struct ap_facets facets;
     enum ap_status st = ap_facets_open(err, c->room.scene, &facets);
     if (st)
@@ -65,7 +65,12 @@ static enum ap_status look_all(struct ap_error *err, struct contest *c) {
     for (int i = 0; !st && i < c->count; i++)
         for (int place = 0; !st && place < (c->bench->quick ? 1 : PLACES); place++) {
             struct ap_frame_input input = place_of(c, place);
-            st = ap_facets_look(err, &facets, &input, size_px, c->bounds_px[i], &c->errors[i]);
+            const struct ap_facets_params params = {.input = &input,
+                                                    .size_px = {c->screen.width, c->screen.height},
+                                                    .max_error_px = c->bounds_px[i],
+                                                    .points = POINTS,
+                                                    .seed = 11};
+            st = ap_facets_look(err, &facets, &params, &c->errors[i]);
         }
     ap_facets_close(&facets);
     return st;
