@@ -89,10 +89,19 @@ static void add_low(struct ap_clockmap *map, int64_t device_ns, int64_t offset_n
     fit(map);
 }
 
+// A known arrival: what was guessed before it goes.
+static void lay(struct ap_clockmap *map, int64_t offset_ns) {
+    if (map->is_guessed)
+        map->low_count = 0;
+    map->is_guessed = false;
+    add_low(map, map->device_ns, offset_ns);
+}
+
 static enum ap_clock_event start(struct ap_clockmap *map, uint64_t raw, int64_t host_ns,
-                                 int64_t *t_ns) {
+                                 bool is_guess, int64_t *t_ns) {
     ap_clockmap_reset(map);
     map->started = true;
+    map->is_guessed = is_guess;
     map->restarts++;
     map->raw = raw;
     map->first_host_ns = map->host_ns = host_ns;
@@ -140,28 +149,28 @@ static bool always_late(struct ap_clockmap *map, int64_t host_ns, double late_ns
 
 // On the line; but no report is younger than its arrival, and a correction of the line backwards is
 // worked off by letting time run at a quarter of its speed.
-static int64_t place(const struct ap_clockmap *map, int64_t step_ns) {
+static int64_t place(const struct ap_clockmap *map, int64_t step_ns, int64_t latest_ns) {
     int64_t t = map->first_host_ns + map->device_ns + llround(offset_at(map, map->device_ns));
     if (t < map->out_ns + step_ns / 4)
         t = map->out_ns + step_ns / 4;
-    if (t > map->host_ns)
-        t = map->host_ns;
+    if (t > latest_ns)
+        t = latest_ns;
     return t > map->out_ns ? t : map->out_ns + 1;
 }
 
-enum ap_clock_event ap_clockmap_add(struct ap_clockmap *map, uint64_t raw, int64_t host_ns,
-                                    int64_t *t_ns) {
+static enum ap_clock_event add(struct ap_clockmap *map, uint64_t raw, int64_t host_ns,
+                               int64_t latest_ns, bool is_guess, int64_t *t_ns) {
     const struct ap_clockmap_params *p = &map->params;
     uint64_t mask = p->bits == 64 ? UINT64_MAX : (UINT64_C(1) << p->bits) - 1;
     raw &= mask;
     if (host_ns < 0)
         host_ns = 0; // the monotonic clock never is; keeps the differences within 64 bits
     if (!map->started)
-        return start(map, raw, host_ns, t_ns);
+        return start(map, raw, host_ns, is_guess, t_ns);
     if (host_ns < map->host_ns)
         host_ns = map->host_ns;
     if (host_ns - map->host_ns > p->gap_ns)
-        return start(map, raw, host_ns, t_ns);
+        return start(map, raw, host_ns, is_guess, t_ns);
     uint64_t ticks = (raw - map->raw) & mask;
     if (ticks == 0) {
         *t_ns = map->out_ns;
@@ -169,17 +178,28 @@ enum ap_clock_event ap_clockmap_add(struct ap_clockmap *map, uint64_t raw, int64
     }
     int64_t step_ns, remainder;
     if (!unwrap(map, ticks, host_ns, &step_ns, &remainder))
-        return start(map, raw, host_ns, t_ns);
+        return start(map, raw, host_ns, is_guess, t_ns);
     map->raw = raw;
     map->host_ns = host_ns;
     map->device_ns += step_ns;
     map->remainder = remainder;
     int64_t offset = host_ns - map->first_host_ns - map->device_ns;
-    add_low(map, map->device_ns, offset);
-    if (always_late(map, host_ns, (double)offset - offset_at(map, map->device_ns)))
-        return start(map, raw, host_ns, t_ns);
-    map->out_ns = *t_ns = place(map, step_ns);
+    if (!is_guess)
+        lay(map, offset);
+    if (!is_guess && always_late(map, host_ns, (double)offset - offset_at(map, map->device_ns)))
+        return start(map, raw, host_ns, false, t_ns);
+    map->out_ns = *t_ns = place(map, step_ns, latest_ns > host_ns ? latest_ns : host_ns);
     return AP_CLOCK_OK;
+}
+
+enum ap_clock_event ap_clockmap_add(struct ap_clockmap *map, uint64_t raw, int64_t host_ns,
+                                    int64_t *t_ns) {
+    return add(map, raw, host_ns, host_ns, false, t_ns);
+}
+
+enum ap_clock_event ap_clockmap_add_guessed(struct ap_clockmap *map, uint64_t raw, int64_t host_ns,
+                                            int64_t latest_ns, int64_t *t_ns) {
+    return add(map, raw, host_ns, latest_ns, true, t_ns);
 }
 
 double ap_clockmap_drift_ppm(const struct ap_clockmap *map) {

@@ -34,6 +34,7 @@ enum ap_clock_event {
 struct ap_clockmap {
     struct ap_clockmap_params params;
     bool started;
+    bool is_guessed; // the line stands on a guess alone
     uint64_t raw;
     int64_t device_ns, since_ns;      // since the map started; the stamp's remainder below
     int64_t remainder;                // of ticks·num/den, in 1/den ns
@@ -60,6 +61,13 @@ void ap_clockmap_reset(struct ap_clockmap *map);
 // same.
 enum ap_clock_event ap_clockmap_add(struct ap_clockmap *map, uint64_t raw, int64_t host_ns,
                                     int64_t *t_ns);
+
+// The same for a report that was read together with later ones, so that its arrival is a guess:
+// probably at host_ns, at latest_ns at the latest. It gets its time from the line and has no part
+// in laying it: one that is dated too early would draw the line too low for 20 s. A map that starts
+// on a guess keeps it until a report comes whose arrival is known.
+enum ap_clock_event ap_clockmap_add_guessed(struct ap_clockmap *map, uint64_t raw, int64_t host_ns,
+                                            int64_t latest_ns, int64_t *t_ns);
 
 // How much faster the host's clock runs than the device's, in parts per million.
 double ap_clockmap_drift_ppm(const struct ap_clockmap *map);

@@ -145,15 +145,15 @@ static void count_rate(struct live_slot *slot, int64_t now_ns) {
     slot->rate_reports = d->reports;
 }
 
-void live_slot_report(struct live_slot *slot, int64_t arrival_ns, const uint8_t *bytes,
-                      size_t len) {
+static void take_report(struct live_slot *slot, int64_t arrival_ns, bool is_guess,
+                        const uint8_t *bytes, size_t len) {
     struct ap_live *live = slot->live;
     slot->about.reports++;
     if (live->listener.report)
         live->listener.report(live->listener.user,
                               &(struct ap_live_report){slot->index, arrival_ns, bytes, len});
     struct ap_fed fed;
-    if (ap_feed_report(slot->feed, arrival_ns, bytes, len, &fed) == AP_REPORT_BAD)
+    if (ap_feed_report(slot->feed, arrival_ns, is_guess, bytes, len, &fed) == AP_REPORT_BAD)
         slot->about.bad++;
     for (int i = 0; i < fed.samples.count; i++)
         take_sample(slot, &fed.samples.at[i], fed.t_ns[i], fed.restarted, true);
@@ -176,7 +176,7 @@ void live_slot_lose(struct live_slot *slot, int64_t now_ns) {
 }
 
 struct batch {
-    int count;
+    int count, guessed; // the first ones' times are guesses
     size_t used;
     size_t at[AP_LIVE_BATCH], len[AP_LIVE_BATCH];
     int64_t t_ns[AP_LIVE_BATCH];
@@ -208,9 +208,10 @@ static bool fill(struct live_slot *slot, struct batch *b, bool *empty) {
 // The times of what the bus could not date itself.
 static void date(struct live_slot *slot, struct batch *b) {
     const struct live_bus *bus = slot->bus;
+    b->guessed = 0;
     if (b->count > 0 && b->t_ns[0] == 0)
-        ap_feed_date(slot->feed, bus->way.io->now_ns(bus->way.bus), b->count,
-                     bus->way.io->queue_len, b->t_ns);
+        b->guessed = ap_feed_date(slot->feed, bus->way.io->now_ns(bus->way.bus), b->count,
+                                  bus->way.io->queue_len, b->t_ns);
     else
         for (int i = 0; i < b->count; i++)
             b->t_ns[i] = ap_feed_stamp(slot->feed, b->t_ns[i]);
@@ -226,7 +227,7 @@ void live_slot_drain(struct live_slot *slot) {
         if (slot->is_reading)
             date(slot, &b);
         for (int i = 0; i < b.count && slot->is_reading; i++)
-            live_slot_report(slot, b.t_ns[i], bus->batch + b.at[i], b.len[i]);
+            take_report(slot, b.t_ns[i], i < b.guessed, bus->batch + b.at[i], b.len[i]);
         // A device that never stops must not keep the others waiting.
         if (b.count == AP_LIVE_BATCH)
             break;

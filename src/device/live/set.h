@@ -133,9 +133,6 @@ void live_slot_lose(struct live_slot *slot, int64_t now_ns);
 // reader.c: works through what a device has to read. The bus's lock is held.
 void live_slot_drain(struct live_slot *slot);
 
-// reader.c: one report that came at arrival_ns. The bus's lock is held.
-void live_slot_report(struct live_slot *slot, int64_t arrival_ns, const uint8_t *bytes, size_t len);
-
 // ways.c: whether there are ways of these names. AP_USAGE.
 enum ap_status live_ways_check(struct ap_error *err, const char *const *ways, size_t count);
 

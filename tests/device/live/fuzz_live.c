@@ -50,11 +50,12 @@ static void take_samples(int64_t now_ns) {
 static void take_queue(int64_t now_ns, int count, const uint8_t *bytes, size_t len) {
     int64_t t_ns[256], before = feed.arrival_ns;
     int64_t newest = before >= now_ns - 1000 * count ? before + 1000 * count : now_ns;
-    ap_feed_date(&feed, now_ns, count, 63, t_ns);
+    int guessed = ap_feed_date(&feed, now_ns, count, 63, t_ns);
+    require(guessed == count || guessed == count - 1, "all but the newest are guesses");
     for (int i = 0; i < count; i++) {
         require(t_ns[i] > before && t_ns[i] <= newest, "reports in order, none after now");
         before = t_ns[i];
-        ap_feed_report(&feed, t_ns[i], bytes, len, &fed);
+        ap_feed_report(&feed, t_ns[i], i < guessed, bytes, len, &fed);
         require(feed.lost >= -1, "losses are counted up");
         take_samples(now_ns);
     }
