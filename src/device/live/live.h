@@ -49,7 +49,7 @@ struct ap_live_device {
     int64_t lost;            // by the device's own clock; −1: it has none
     int64_t newest_ns;       // the time of the newest report; 0: none yet
     int battery_percent;     // −1: not known
-    int64_t unplugged_count; // how often it has gone
+    int64_t unplugged_count; // how often it has gone while it was open
 };
 
 // A report as it came, and what its driver made of it. `device` is an index for ap_live_device_at.

@@ -165,8 +165,12 @@ static void take_report(struct live_slot *slot, int64_t arrival_ns, bool is_gues
     }
 }
 
+// What is not open has nothing to lose. A node is listed for a moment after it was lost, and does
+// not open any more: that is no second loss.
 void live_slot_lose(struct live_slot *slot, int64_t now_ns) {
     atomic_store_explicit(&slot->state, AP_LIVE_GONE, memory_order_release);
+    if (!slot->device)
+        return;
     atomic_fetch_add_explicit(&slot->live->lose_count, 1, memory_order_acq_rel);
     slot->about.rate_hz = 0;
     slot->about.unplugged_count++;

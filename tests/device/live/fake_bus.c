@@ -21,7 +21,7 @@ static int list(void *arg, struct ap_live_place *places, int max) {
     int count = 0;
     pthread_mutex_lock(&fake->lock);
     for (int i = 0; i < FAKE_DEVICES && count < max; i++)
-        if (fake->devices[i].plugged)
+        if (fake->devices[i].plugged || fake->devices[i].dying)
             places[count++] = fake->devices[i].place;
     pthread_mutex_unlock(&fake->lock);
     return count;
@@ -242,7 +242,15 @@ int fake_plug(struct fake_bus *fake, const char *serial, uint16_t bus, uint16_t 
 
 void fake_unplug(struct fake_bus *fake, int device) {
     pthread_mutex_lock(&fake->lock);
+    fake->devices[device].plugged = fake->devices[device].dying = false;
+    pthread_cond_broadcast(&fake->changed);
+    pthread_mutex_unlock(&fake->lock);
+}
+
+void fake_begin_unplug(struct fake_bus *fake, int device) {
+    pthread_mutex_lock(&fake->lock);
     fake->devices[device].plugged = false;
+    fake->devices[device].dying = true;
     pthread_cond_broadcast(&fake->changed);
     pthread_mutex_unlock(&fake->lock);
 }

@@ -17,7 +17,7 @@ struct fake_report {
 };
 
 struct fake_device {
-    bool plugged, open, refuses_open, refuses_features;
+    bool plugged, dying, open, refuses_open, refuses_features;
     int tag, opened_count;
     struct ap_live_place place;
     struct fake_report queue[FAKE_QUEUE]; // as hidraw's: what does not fit is dropped
@@ -50,6 +50,9 @@ int fake_plug(struct fake_bus *fake, const char *serial, uint16_t bus, uint16_t 
 // A copy of a place that was made by hand.
 int fake_plug_place(struct fake_bus *fake, const struct ap_live_place *place);
 void fake_unplug(struct fake_bus *fake, int device);
+// As the kernel does it: reads fail, and its node, which does not open any more, is listed until
+// fake_unplug.
+void fake_begin_unplug(struct fake_bus *fake, int device);
 void fake_replug(struct fake_bus *fake, int device, const char *path);
 void fake_feature(struct fake_bus *fake, int device, const uint8_t *bytes, size_t len);
 void fake_send(struct fake_bus *fake, int device, const uint8_t *bytes, size_t len);

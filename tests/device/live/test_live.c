@@ -133,6 +133,31 @@ static void test_unplug(void **state) {
     end(&w);
 }
 
+// A node that is listed for a moment after its device has gone: it went once.
+static void test_slow_unplug(void **state) {
+    (void)state;
+    struct world w = begin(NULL);
+    int d = plug_slimevr(w.fake, "A1");
+    settle(&w);
+    for (int round = 1; round <= 3; round++) {
+        play_slimevr(&w, d, 2, 0.1, 0);
+        expect_state(&w, AP_LIVE_HEAD, AP_POSE_EXACT);
+        fake_begin_unplug(w.fake, d);
+        settle(&w);
+        step(&w, MS);
+        expect_state(&w, AP_LIVE_HEAD, AP_POSE_LOST);
+        assert_int_equal(device_at(&w, 0).state, AP_LIVE_FAILED); // it was tried again
+        fake_unplug(w.fake, d);
+        settle(&w);
+        assert_int_equal(device_at(&w, 0).state, AP_LIVE_GONE);
+        assert_int_equal(device_at(&w, 0).unplugged_count, round);
+        fake_replug(w.fake, d, NULL);
+        settle(&w);
+    }
+    assert_int_equal(ap_live_device_count(w.live), 1);
+    end(&w);
+}
+
 // Gone and back, on the same node, before the keeper has looked.
 static void test_quick_replug(void **state) {
     (void)state;
@@ -728,6 +753,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_head),
         cmocka_unit_test(test_unplug),
+        cmocka_unit_test(test_slow_unplug),
         cmocka_unit_test(test_quick_replug),
         cmocka_unit_test(test_other_transport),
         cmocka_unit_test(test_twice),
