@@ -18,7 +18,7 @@ static const double DEPTH_SHARE = 0.02;
 // How far turned away something must be, and how much more where its normals differ: cosines.
 static const double TURNED_AWAY = 0.01, TURNED_SHARE = 0.25;
 static const uint32_t NOT_CUT = UINT32_MAX;
-enum { AROUND = 8, DEEPEST = 60, NODE_BITS = 28, PART_MAX = 255 };
+enum { AROUND = 8, DEEPEST = 60, NODE_BITS = 24, PART_MAX = 65535, FEW_EDGES = 256 };
 
 struct ap_refine_node {
     struct ap_surface_point point;
@@ -42,9 +42,10 @@ struct work {
     struct ap_mesh_data *data;
     struct triangle *stack;
     size_t stack_count, stack_space, triangles;
-    bool faces;   // nodes know which way the surface is turned
-    double taper; // of a stick: its normals are those of a straight one
-    bool cut_all; // edges are cut unasked
+    struct ap_vec3 inward[2][4]; // unit normals of the eyes' frusta, in their axes
+    bool faces;                  // nodes know which way the surface is turned
+    double taper;                // of a stick: its normals are those of a straight one
+    bool cut_all;                // edges are cut unasked
     bool held;
     enum ap_status st;
 };
@@ -94,26 +95,38 @@ static bool in_use(const struct ap_refiner *r, size_t slot) {
 }
 
 static size_t slot_of(const struct ap_refiner *r, uint64_t key) {
-    size_t i = (size_t)(key * 0x9e3779b97f4a7c15u >> 20) & (r->edge_space - 1);
+    size_t i = (size_t)(key * 0x9e3779b97f4a7c15u >> 40) & (r->edge_space - 1);
     while (in_use(r, i) && r->edges[i].key != key)
         i = (i + 1) & (r->edge_space - 1);
     return i;
 }
 
+// Twice the slots, of those that there are while there are enough: a small part's edges stay close
+// together in memory, however large another one was.
 static bool rehash(struct work *w) {
     struct ap_refiner *r = w->r;
-    struct ap_refine_edge *old = r->edges;
-    size_t count = r->edge_space, space = count ? 2 * count : 1024;
-    struct ap_refine_edge *made = calloc(space, sizeof *made);
-    if (!made) {
+    size_t count = r->edge_space, kept = 0, space = count ? 2 * count : FEW_EDGES;
+    struct ap_refine_edge *edges = r->edges, *old = malloc((r->edge_count + 1) * sizeof *old);
+    if (old && space > r->edge_room)
+        edges = realloc(r->edges, space * sizeof *edges);
+    if (!old || !edges) {
+        free(old);
         w->st = ap_fail(w->err, AP_ENVIRONMENT, "no memory for %zu edges", space);
         return false;
     }
-    r->edges = made;
-    r->edge_space = space;
+    r->edges = edges;
+    if (space > r->edge_room) {
+        memset(edges + r->edge_room, 0, (space - r->edge_room) * sizeof *edges);
+        r->edge_room = space;
+    }
     for (size_t i = 0; i < count; i++)
-        if (old[i].key >> (2 * NODE_BITS) == r->part)
-            made[slot_of(r, old[i].key)] = old[i];
+        if (in_use(r, i)) {
+            old[kept++] = edges[i];
+            edges[i].key = 0;
+        }
+    r->edge_space = space;
+    for (size_t i = 0; i < kept; i++)
+        edges[slot_of(r, old[i].key)] = old[i];
     free(old);
     return true;
 }
@@ -210,33 +223,55 @@ static uint32_t middle_of(struct work *w, uint32_t i, uint32_t j) {
 
 // --- triangles
 
-// Outside one of a frustum's planes, even where the surface bulges, for each eye.
+static struct ap_vec3 place_from(const struct work *w, const struct ap_surface_point *p, int e) {
+    return w->surface.mode == AP_VIEW_TOURIST ? p->toward[e] : p->seen[e];
+}
+
+// Outside one of a frustum's planes, even where the surface bulges, for each eye. Native: metres;
+// tourist: directions.
 static bool out_of_sight(const struct work *w, const struct triangle *t) {
     const struct ap_surface_point *p[3];
-    if (w->surface.mode != AP_VIEW_NATIVE)
+    bool tourist = w->surface.mode == AP_VIEW_TOURIST;
+    if (w->surface.mode == AP_VIEW_BORN)
         return false;
     for (int i = 0; i < 3; i++)
         p[i] = &w->r->nodes[t->corner[i]].point;
-    double longest = 0;
-    for (int i = 0; i < 3; i++)
-        longest = fmax(longest, length(ap_vec3_sub(p[i]->tangent_m, p[(i + 1) % 3]->tangent_m)));
-    if (longest > w->surface.space.rho_m / 2)
-        return false;
+    double reach = tourist ? 0.5 : w->surface.space.rho_m / 2;
     for (int e = 0; e < 2; e++) {
-        const struct ap_frustum *f = &w->params->viewer->eye[e].frustum;
-        const struct ap_vec3 plane[4] = {
-            {1, 0, f->left}, {-1, 0, -f->right}, {0, 1, f->down}, {0, -1, -f->up}};
+        struct ap_vec3 at[3];
+        double longest = 0;
+        for (int i = 0; i < 3; i++)
+            at[i] = place_from(w, p[i], e);
+        for (int i = 0; i < 3; i++)
+            longest = fmax(longest, length(ap_vec3_sub(at[i], at[(i + 1) % 3])));
+        if (longest > reach)
+            return false;
         bool out = false;
         for (int k = 0; k < 4 && !out; k++) {
-            struct ap_vec3 n = ap_vec3_normalize(plane[k]);
-            double most = -INFINITY;
-            for (int i = 0; i < 3; i++)
-                most = fmax(most, ap_vec3_dot(n, p[i]->seen[e]));
-            out = most < -BULGE * longest;
+            struct ap_vec3 n = w->inward[e][k];
+            double limit = -BULGE * longest;
+            out = ap_vec3_dot(n, at[0]) < limit && ap_vec3_dot(n, at[1]) < limit &&
+                  ap_vec3_dot(n, at[2]) < limit;
         }
         if (!out)
             return false;
     }
+    return true;
+}
+
+// In the curved space, where normals of different places cannot be compared: by those at the
+// corners alone, and how far apart the corners are.
+static bool tourist_turned_away(const struct work *w, const struct ap_surface_point *const p[3]) {
+    double span = w->taper;
+    for (int i = 0; i < 3; i++) {
+        const struct ap_surface_point *q = p[(i + 1) % 3];
+        span = fmax(span, length(ap_vec3_sub(p[i]->from, q->from)) + fabs(p[i]->along - q->along));
+    }
+    double least = TURNED_AWAY + TURNED_SHARE * span;
+    for (int e = 0; e < 2; e++)
+        for (int i = 0; i < 3; i++)
+            if (!(p[i]->away[e] > least))
+                return false;
     return true;
 }
 
@@ -250,6 +285,8 @@ static bool turned_away(const struct work *w, const struct triangle *t) {
     double span = w->taper;
     for (int i = 0; i < 3; i++)
         p[i] = &w->r->nodes[t->corner[i]].point;
+    if (w->surface.mode == AP_VIEW_TOURIST)
+        return tourist_turned_away(w, p);
     for (int i = 0; i < 3; i++)
         span = fmax(span, length(ap_vec3_sub(p[i]->outward, p[(i + 1) % 3]->outward)));
     for (int e = 0; e < 2; e++)
@@ -404,6 +441,16 @@ static void write_nodes(struct work *w) {
     }
 }
 
+static void set_inward(struct work *w) {
+    for (int e = 0; e < 2; e++) {
+        const struct ap_frustum *f = &w->params->viewer->eye[e].frustum;
+        const struct ap_vec3 plane[4] = {
+            {1, 0, f->left}, {-1, 0, -f->right}, {0, 1, f->down}, {0, -1, -f->up}};
+        for (int k = 0; k < 4; k++)
+            w->inward[e][k] = ap_vec3_normalize(plane[k]);
+    }
+}
+
 enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
                               const struct ap_refine_params *params, const struct ap_part *part,
                               struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held) {
@@ -411,8 +458,9 @@ enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
     w.surface =
         ap_surface_of(params->viewer, params->eyes, part, params->nose_from_part, params->image);
     w.surface.any_depth = params->any_depth;
+    set_inward(&w);
     w.faces =
-        params->closed && w.surface.shape != AP_SURFACE_SHEET && w.surface.mode == AP_VIEW_NATIVE;
+        params->closed && w.surface.shape != AP_SURFACE_SHEET && w.surface.mode != AP_VIEW_BORN;
     w.taper =
         part->kind == AP_PART_STICK ? fabs(part->radius2_m - part->radius_m) / part->length_m : 0;
     double rho = params->viewer->space.rho_m;
@@ -423,7 +471,8 @@ enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
     r->node_count = r->edge_count = 0;
     r->part = r->part % PART_MAX + 1;
     if (r->edges && r->part == 1)
-        memset(r->edges, 0, r->edge_space * sizeof *r->edges);
+        memset(r->edges, 0, r->edge_room * sizeof *r->edges);
+    r->edge_space = r->edge_room < FEW_EDGES ? r->edge_room : FEW_EDGES;
     struct ap_mesh made = ap_mesh_data_begin(data);
     if (part->kind == AP_PART_BALL)
         begin_ball(&w);

@@ -24,7 +24,7 @@ struct ap_refine_params {
 struct ap_refiner {
     struct ap_refine_node *nodes;
     struct ap_refine_edge *edges; // open addressing, a power of two
-    size_t node_count, node_space, edge_count, edge_space;
+    size_t node_count, node_space, edge_count, edge_room, edge_space; // of edge_room in use
     uint32_t part; // counts, so that a small part need not clear what a large one used
 };
 void ap_refiner_finish(struct ap_refiner *refiner);

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+static const double PI = 3.14159265358979323846;
+
 // hypot would take half of all the time here, for lengths that do not occur.
 static double length(struct ap_vec3 v) {
     return sqrt(ap_vec3_dot(v, v));
@@ -36,7 +38,8 @@ struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_
         s.eye_from_part[e] = eyes->eye_from_nose[e];
         if (s.mode == AP_VIEW_TOURIST)
             s.eye_from_part[e] = ap_iso_mul(eyes->eye_from_nose[e], nose_from_part);
-        s.eye_from_view[e] = ap_pose_inverse(viewer->eye[e].view_from_eye);
+        s.eye_from_view[e] = ap_iso_from_pose((struct ap_space){0, 1},
+                                              ap_pose_inverse(viewer->eye[e].view_from_eye));
         s.eye_m[e] = viewer->eye[e].view_from_eye.p;
     }
     return s;
@@ -108,6 +111,19 @@ struct ap_vec4 ap_surface_normal(const struct ap_surface *s, const struct ap_sur
     return turned(s, around_axis(s->space, point, cosine, -s->space.kappa * sine));
 }
 
+// At X the line of sight from E goes on as (C·X − E)/S, up to a sign, and <N, X> = 0.
+static double tourist_away(const struct ap_surface *s, int e, struct ap_vec4 n,
+                           const struct ap_surface_point *point) {
+    const double(*m)[4] = s->eye_from_part[e].m;
+    double w = m[3][0] * n.x + m[3][1] * n.y + m[3][2] * n.z + m[3][3] * n.w;
+    double sine = length(point->seen[e]) / s->space.rho_m, away = -s->space.kappa * w / sine;
+    if (s->space.kappa == 0) {
+        struct ap_vec4 turned_n = ap_iso_apply(&s->eye_from_part[e], n);
+        away = ap_vec3_dot((struct ap_vec3){turned_n.x, turned_n.y, turned_n.z}, point->toward[e]);
+    }
+    return s->image ? -away : away;
+}
+
 // The log map keeps lengths along the line of sight and stretches those across it; a normal is
 // stretched the other way.
 void ap_surface_face(const struct ap_surface *s, struct ap_surface_point *point) {
@@ -115,6 +131,10 @@ void ap_surface_face(const struct ap_surface *s, struct ap_surface_point *point)
     if (s->part->kind == AP_PART_BALL)
         n = (struct ap_vec4){s->cosine * n.x, s->cosine * n.y, s->cosine * n.z,
                              -s->space.kappa * s->sine};
+    for (int e = 0; e < 2 && s->mode == AP_VIEW_TOURIST; e++)
+        point->away[e] = tourist_away(s, e, n, point);
+    if (s->mode != AP_VIEW_NATIVE)
+        return;
     n = ap_iso_apply(&s->nose_from_part, n);
     double d = length(point->tangent_m), t = d / s->space.rho_m; // of image 1 beyond half a turn
     struct ap_vec3 u = ap_vec3_scale(1 / d, point->tangent_m), across = {n.x, n.y, n.z};
@@ -123,6 +143,31 @@ void ap_surface_face(const struct ap_surface *s, struct ap_surface_point *point)
     double away = ap_space_cos(s->space, t) * along - ss * n.w;
     across = ap_vec3_sub(across, ap_vec3_scale(along, u));
     point->outward = unit(ap_vec3_add(ap_vec3_scale(away, u), ap_vec3_scale(ss / t, across)));
+}
+
+// The log map by its plain formula, good to 5e-15 (docs/accuracy.md), at a third of the time: a
+// frame's triangles ask for it millions of times.
+static struct ap_vec3 log_of(struct ap_space space, struct ap_vec4 p, int image) {
+    struct ap_vec3 v = {p.x, p.y, p.z};
+    double r = length(v) / space.rho_m, w = p.w / space.rho_m, theta;
+    if (space.kappa == 0)
+        return ap_vec3_scale(1 / w, v);
+    if (r < 1e-7) // there the formula has nothing to divide by
+        return ap_log_unchecked(space, p, image);
+    theta = space.kappa < 0 ? asinh(r) : atan2(r, w);
+    return ap_vec3_scale((image ? theta - 2 * PI : theta) / r, v);
+}
+
+static struct ap_vec3 from_view(const struct ap_surface *s, int e, struct ap_vec3 v) {
+    const double(*m)[4] = s->eye_from_view[e].m;
+    return (struct ap_vec3){m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z + m[0][3],
+                            m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z + m[1][3],
+                            m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z + m[2][3]};
+}
+
+static void see_from(struct ap_surface_point *point, int e, struct ap_vec3 seen) {
+    point->seen[e] = seen;
+    point->toward[e] = unit(seen);
 }
 
 void ap_surface_see(const struct ap_surface *s, struct ap_surface_point *point) {
@@ -137,22 +182,23 @@ void ap_surface_see(const struct ap_surface *s, struct ap_surface_point *point) 
         double sign = s->image ? -1 : 1;
         for (int e = 0; e < 2; e++) {
             struct ap_vec4 q = ap_iso_apply(&s->eye_from_part[e], p_m);
-            point->seen[e] = ap_vec3_scale(sign, (struct ap_vec3){q.x, q.y, q.z});
+            see_from(point, e, ap_vec3_scale(sign, (struct ap_vec3){q.x, q.y, q.z}));
         }
         return;
     }
-    point->tangent_m = ap_log_unchecked(s->space, ap_iso_apply(&s->nose_from_part, p_m), s->image);
+    point->tangent_m = log_of(s->space, ap_iso_apply(&s->nose_from_part, p_m), s->image);
     if (s->mode == AP_VIEW_BORN) {
         struct ap_born_point born =
             ap_born_from_tangent(s->born, (struct ap_tangent_point){point->tangent_m});
         for (int e = 0; e < 2; e++) {
             struct ap_vec4 q = ap_iso_apply(&s->eye_from_part[e], born.x);
-            point->seen[e] = ap_vec3_scale(born.behind ? -1 : 1, (struct ap_vec3){q.x, q.y, q.z});
+            double sign = born.behind ? -1 : 1;
+            see_from(point, e, ap_vec3_scale(sign, (struct ap_vec3){q.x, q.y, q.z}));
         }
         return;
     }
     for (int e = 0; e < 2; e++)
-        point->seen[e] = ap_pose_apply(s->eye_from_view[e], point->tangent_m);
+        see_from(point, e, from_view(s, e, point->tangent_m));
 }
 
 struct ap_surface_point ap_surface_middle(const struct ap_surface *s,
@@ -181,23 +227,27 @@ struct ap_surface_point ap_surface_middle(const struct ap_surface *s,
     return m;
 }
 
-// The direction m against the nearest of those of the straight line from a to b; radians, as
-// chords.
-static double off_line(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 m) {
-    struct ap_vec3 p = unit(a), q = unit(b), u = unit(m);
+static double clamped(double t) {
+    return t < 0 ? 0 : t > 1 ? 1 : t;
+}
+
+// The direction u against the nearest of those of the straight line between the directions p and q;
+// the square of the angle, by its sine.
+static double off_line2(struct ap_vec3 p, struct ap_vec3 q, struct ap_vec3 u) {
     struct ap_vec3 along = ap_vec3_sub(q, p);
     double square = ap_vec3_dot(along, along);
     double t = square > 0 ? ap_vec3_dot(ap_vec3_sub(u, p), along) / square : 0;
-    struct ap_vec3 c = ap_vec3_add(p, ap_vec3_scale(fmin(fmax(t, 0), 1), along));
-    return length(ap_vec3_sub(u, unit(c)));
+    struct ap_vec3 c = ap_vec3_add(p, ap_vec3_scale(clamped(t), along)), x = ap_vec3_cross(u, c);
+    return ap_vec3_dot(u, c) > 0 ? ap_vec3_dot(x, x) / ap_vec3_dot(c, c) : 4;
 }
 
-// How far m is from the straight line from a to b, of its distance.
-static double off_chord(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 m) {
+// How far m is from the straight line from a to b, of its distance, squared.
+static double off_chord2(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 m) {
     struct ap_vec3 along = ap_vec3_sub(b, a), from = ap_vec3_sub(m, a);
     double square = ap_vec3_dot(along, along);
     double t = square > 0 ? ap_vec3_dot(from, along) / square : 0;
-    return length(ap_vec3_sub(from, ap_vec3_scale(t, along))) / length(m);
+    struct ap_vec3 off = ap_vec3_sub(from, ap_vec3_scale(t, along));
+    return ap_vec3_dot(off, off) / ap_vec3_dot(m, m);
 }
 
 // The point of the straight edge that the nose sees in m's direction: that is what a geodesic's
@@ -219,6 +269,12 @@ static double pixels_at(const struct ap_eyes *eyes, int e, struct ap_vec3 seen) 
     return eyes->pixels[e] * (1 + slope2);
 }
 
+// A sheet's: as the eye sees what the nose sees in m's direction.
+static double off_sheet(const struct ap_surface *s, int e, struct ap_vec3 flat, struct ap_vec3 t) {
+    struct ap_vec3 c = from_view(s, e, flat), x = ap_vec3_cross(c, t), off = ap_vec3_sub(c, t);
+    return atan2(length(x), ap_vec3_dot(c, t)) + (s->any_depth ? 0 : length(off) / length(t) / 4);
+}
+
 double ap_surface_error_px(const struct ap_surface *s, const struct ap_eyes *eyes,
                            const struct ap_surface_point *a, const struct ap_surface_point *b,
                            const struct ap_surface_point *m) {
@@ -229,18 +285,18 @@ double ap_surface_error_px(const struct ap_surface *s, const struct ap_eyes *eye
     sheet &= native;
     struct ap_vec3 flat = sheet ? radial(a->tangent_m, b->tangent_m, m->tangent_m) : m->tangent_m;
     for (int e = 0; e < 2; e++) {
-        double angle;
+        double pixels = pixels_at(eyes, e, m->seen[e]), square;
         if (sheet) {
-            struct ap_vec3 c = ap_pose_apply(s->eye_from_view[e], flat), t = m->seen[e];
-            double off = length(ap_vec3_sub(c, t)), d = length(t);
-            angle = atan2(length(ap_vec3_cross(c, t)), ap_vec3_dot(c, t)) +
-                    (s->any_depth ? 0 : off / d / 4);
+            double angle = off_sheet(s, e, flat, m->seen[e]);
+            square = angle * angle;
         } else {
-            angle = off_line(a->seen[e], b->seen[e], m->seen[e]);
-            if (native && !s->any_depth)
-                angle = fmax(angle, off_chord(a->seen[e], b->seen[e], m->seen[e]) / 4);
+            square = off_line2(a->toward[e], b->toward[e], m->toward[e]);
+            double depth =
+                native && !s->any_depth ? off_chord2(a->seen[e], b->seen[e], m->seen[e]) / 16 : 0;
+            square = depth > square ? depth : square;
         }
-        worst = fmax(worst, angle * pixels_at(eyes, e, m->seen[e]));
+        square *= pixels * pixels;
+        worst = square <= worst ? worst : square; // what is no number is the worst
     }
-    return worst;
+    return sqrt(worst);
 }

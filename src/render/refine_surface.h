@@ -18,7 +18,9 @@ struct ap_surface_point {
     struct ap_vec4 p;         // in the part's coordinates, over rho
     struct ap_vec3 tangent_m; // relative to the nose; not in tourist view
     struct ap_vec3 seen[2];   // from each eye, in its axes: native metres, else a direction
-    struct ap_vec3 outward;   // what ap_surface_face gives
+    struct ap_vec3 toward[2]; // its direction, of length 1
+    struct ap_vec3 outward;   // what ap_surface_face gives: native
+    double away[2];           // tourist
 };
 
 struct ap_surface {
@@ -31,9 +33,9 @@ struct ap_surface {
     bool any_depth;      // an error in depth does not count
     double sine, cosine; // S and C of a ball's or a tube's radius
     struct ap_iso nose_from_part;
-    struct ap_iso eye_from_part[2];  // tourist; AP_VIEW_BORN: of the nose in the space of her birth
-    struct ap_pose eye_from_view[2]; // native
-    struct ap_vec3 eye_m[2];         // native: where the eyes are, relative to the nose
+    struct ap_iso eye_from_part[2]; // tourist; AP_VIEW_BORN: of the nose in the space of her birth
+    struct ap_iso eye_from_view[2]; // native; the upper rows
+    struct ap_vec3 eye_m[2];        // native: where the eyes are, relative to the nose
 };
 
 struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
@@ -48,7 +50,8 @@ void ap_surface_place(const struct ap_surface *surface, double along,
                       struct ap_surface_point *point);
 // Fills p, tangent_m and seen: from along and from, or (sheets) from p.
 void ap_surface_see(const struct ap_surface *surface, struct ap_surface_point *point);
-// Fills outward, the unit normal in tangent space, of a round surface in native view.
+// Of a round surface. Native view: fills outward, the unit normal in tangent space; tourist: away,
+// the cosine between the surface's normal and each eye's line of sight, onward.
 void ap_surface_face(const struct ap_surface *surface, struct ap_surface_point *point);
 
 // Halfway between two points along the surface, seen.
