@@ -290,13 +290,36 @@ static enum ap_status encode(struct ap_error *err, const struct ap_image *image,
     return AP_OK;
 }
 
-// Left as it is where the picture is missing: png stays NULL.
+// A small picture's file is taken as it is; one that says in its head that it is wider is shrunk.
+static bool is_small_png(const unsigned char *bytes, size_t len, uint32_t width_px) {
+    static const unsigned char head[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 0, 0, 0, 13};
+    enum { WIDTH_AT = 16 };
+    if (len < WIDTH_AT + 4 || memcmp(bytes, head, sizeof head) != 0)
+        return false;
+    const unsigned char *w = bytes + WIDTH_AT;
+    return ((uint32_t)w[0] << 24 | (uint32_t)w[1] << 16 | (uint32_t)w[2] << 8 | w[3]) <= width_px;
+}
+
+// Left as it is where the picture is missing: png stays NULL. The pictures have been read as a
+// whole before (ap_pictures_write).
 static enum ap_status load_eye(struct ap_error *err, const char *path, uint32_t width_px,
                                unsigned char **bytes, size_t *len) {
+    enum { LARGEST_BYTES = 64 << 20 };
     struct ap_image image = {0}, small = {0};
+    char *file;
+    size_t size;
     if (!ap_file_exists(path))
         return AP_OK;
-    enum ap_status st = ap_png_read(err, path, &image);
+    enum ap_status st = ap_file_read(err, path, LARGEST_BYTES, &file, &size);
+    if (!st && is_small_png((unsigned char *)file, size, width_px)) {
+        *bytes = (unsigned char *)file;
+        *len = size;
+        return AP_OK;
+    }
+    if (!st) {
+        free(file);
+        st = ap_png_read(err, path, &image);
+    }
     if (st)
         return st;
     uint32_t width = image.width < width_px ? image.width : width_px;

@@ -98,18 +98,29 @@ enum ap_status ap_image_contact_sheet(struct ap_error *err, const struct ap_imag
     return AP_OK;
 }
 
-// Adds weight times row y of the picture, box-filtered to width cells, to sum[3·width].
-static void add_row(const struct ap_image *in, const struct ap_srgb *srgb, uint32_t y,
-                    uint32_t width, double weight, double *sum) {
-    const uint8_t *row = in->rgb + (size_t)y * in->width * 3;
-    double scale = (double)in->width / width;
-    for (uint32_t i = 0; i < width; i++) {
-        double from = i * scale, to = i + 1 == width ? in->width : (i + 1) * scale;
-        for (uint32_t x = (uint32_t)from; x < to && x < in->width; x++) {
-            double w = weight * (fmin(to, x + 1.0) - fmax(from, x));
-            for (int c = 0; c < 3; c++)
-                sum[3 * i + (uint32_t)c] += w * srgb->linear[row[3 * (size_t)x + (size_t)c]];
-        }
+// Of a picture that is shrunk: the sums of columns over the rows of one cell, and where cells end.
+struct shrink {
+    const struct ap_image *in;
+    struct ap_srgb srgb;
+    uint32_t width;  // in cells
+    double *columns; // 3·in->width
+};
+
+static void add_row(struct shrink *s, uint32_t y, double weight) {
+    const uint8_t *row = s->in->rgb + (size_t)y * s->in->width * 3;
+    for (size_t k = 0; k < (size_t)s->in->width * 3; k++)
+        s->columns[k] += weight * s->srgb.linear[row[k]];
+}
+
+// The mean of the columns of cell i, times how many they are, into sum[3].
+static void add_columns(const struct shrink *s, uint32_t i, double sum[3]) {
+    double scale = (double)s->in->width / s->width;
+    double from = i * scale, to = i + 1 == s->width ? s->in->width : (i + 1) * scale;
+    sum[0] = sum[1] = sum[2] = 0;
+    for (uint32_t x = (uint32_t)from; x < to && x < s->in->width; x++) {
+        double w = (to < x + 1.0 ? to : x + 1.0) - (from > x ? from : x);
+        for (size_t c = 0; c < 3; c++)
+            sum[c] += w * s->columns[3 * (size_t)x + c];
     }
 }
 
@@ -122,24 +133,33 @@ enum ap_status ap_image_shrink(struct ap_error *err, const struct ap_image *in, 
     enum ap_status st = create(err, width, height, &made);
     if (st)
         return st;
-    double *sum = malloc((size_t)width * 3 * sizeof *sum);
-    if (!sum) {
+    if (width == in->width && height == in->height) {
+        memcpy(made.rgb, in->rgb, (size_t)width * height * 3);
+        *out = made;
+        return AP_OK;
+    }
+    size_t values = (size_t)in->width * 3;
+    struct shrink s = {.in = in, .width = width, .columns = malloc(values * sizeof *s.columns)};
+    if (!s.columns) {
         ap_image_finish(&made);
         return ap_fail(err, AP_ENVIRONMENT, "no memory to shrink a picture");
     }
-    struct ap_srgb srgb;
-    ap_srgb_init(&srgb);
+    ap_srgb_init(&s.srgb);
     double scale = (double)in->height / height;
     double area = scale * in->width / width;
     for (uint32_t j = 0; j < height; j++) {
         double from = j * scale, to = j + 1 == height ? in->height : (j + 1) * scale;
-        memset(sum, 0, (size_t)width * 3 * sizeof *sum);
+        memset(s.columns, 0, values * sizeof *s.columns);
         for (uint32_t y = (uint32_t)from; y < to && y < in->height; y++)
-            add_row(in, &srgb, y, width, fmin(to, y + 1.0) - fmax(from, y), sum);
-        for (size_t k = 0; k < (size_t)width * 3; k++)
-            made.rgb[(size_t)j * width * 3 + k] = ap_srgb_byte(&srgb, sum[k] / area);
+            add_row(&s, y, fmin(to, y + 1.0) - fmax(from, y));
+        for (uint32_t i = 0; i < width; i++) {
+            double sum[3];
+            add_columns(&s, i, sum);
+            for (size_t c = 0; c < 3; c++)
+                made.rgb[((size_t)j * width + i) * 3 + c] = ap_srgb_byte(&s.srgb, sum[c] / area);
+        }
     }
-    free(sum);
+    free(s.columns);
     *out = made;
     return AP_OK;
 }
