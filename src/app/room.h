@@ -55,7 +55,8 @@ struct ap_room_options {
         {"samples", AP_OPTION_NUMBER, &(o).samples, "N", "a pixel: 4, 16 or 64 (4)"},              \
         {"no-cull", AP_OPTION_FLAG, &(o).no_cull, "",                                              \
          "draw what no eye can see too: the same pictures, to compare the work"},                  \
-        {"scene", AP_OPTION_TEXT, &(o).scene, "FILE|NAME", "a scene (default: billiards)"},        \
+        {"scene", AP_OPTION_TEXT, &(o).scene, "FILE|NAME",                                         \
+         "a scene (default: the billiards room)"},                                                 \
         {"table-edge", AP_OPTION_NUMBER, &(o).table_edge_m, "M",                                   \
          "edge of the real square table (0.9)"},                                                   \
     {                                                                                              \

@@ -435,7 +435,7 @@ static enum ap_status read_space(struct ap_error *err, const struct ap_json_at *
         ap_space_from_name(NULL, request->file_space_name, 1, &space))
         st = ap_json_fail(err, &name_at, "expected \"s3\", \"e3\" or \"h3\"");
     if (!st && ap_json_has(&at, "radius_m"))
-        st = read_length(err, &at, "radius_m", 1e6, &request->file_radius_m);
+        st = read_length(err, &at, "radius_m", 1e9, &request->file_radius_m);
     return st;
 }
 

@@ -39,10 +39,11 @@ static enum ap_status resolve_space(struct ap_error *err, const struct ap_space_
 static enum ap_status check_request(struct ap_error *err, const struct ap_space_request *r) {
     const double given[] = {r->radius_m, r->table_edge_m, r->table_height_m};
     const char *const what[] = {"radius", "table edge", "table height"};
+    const double most_m[] = {1e9, 1e6, 1e6};
     for (int i = 0; i < 3; i++)
-        if (!(given[i] >= 0) || !isfinite(given[i]) || given[i] > 1e6)
-            return ap_fail(err, AP_USAGE, "a %s of %g m: expected a length above 0, at most 1e6 m",
-                           what[i], given[i]);
+        if (!(given[i] >= 0) || !isfinite(given[i]) || given[i] > most_m[i])
+            return ap_fail(err, AP_USAGE, "a %s of %g m: expected a length above 0, at most %g m",
+                           what[i], given[i], most_m[i]);
     return AP_OK;
 }
 

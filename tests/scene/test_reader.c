@@ -52,6 +52,7 @@ static const struct bad bads[] = {
     {"{\"objects\":[],\"space\":{\"geometry\":\"nil\"}}", "/space/geometry: expected \"s3\""},
     {"{\"objects\":[],\"space\":{\"radius_m\":0}}", "/space/radius_m: expected a length above 0"},
     {"{\"objects\":[],\"space\":{\"radius_m\":-2}}", "/space/radius_m"},
+    {"{\"objects\":[],\"space\":{\"radius_m\":1.1e9}}", "/space/radius_m: 1.1e+09 m is too large"},
     {"{\"objects\":[],\"space\":{\"radius\":2}}", "/space/radius: unknown key"},
     {"{\"objects\":[],\"background\":\"red\"}", "/background: expected a colour"},
     {"{\"objects\":[],\"background\":\"#12345\"}", "/background"},
@@ -130,6 +131,7 @@ static void bad_files_are_named_by_their_place(void **state) {
 static void command_line_before_file_before_defaults(void **state) {
     (void)state;
     const char *file = "{\"space\":{\"geometry\":\"e3\",\"radius_m\":2},\"objects\":[]}";
+    const char *huge = "{\"space\":{\"geometry\":\"e3\",\"radius_m\":1e9},\"objects\":[]}";
     const char *bare = "{\"objects\":[]}", *tabled = "{\"objects\":[{\"table\":{}}]}";
     struct {
         const char *text;
@@ -143,6 +145,8 @@ static void command_line_before_file_before_defaults(void **state) {
         {bare, {.space_name = "e3"}, 0, 1, 0.9},
         {bare, {.table_edge_m = 1.8}, -1, 2 * 0.848036510331695, 1.8},
         {bare, {.radius_m = 3}, -1, 3, 3 * 1.0612750619050357},
+        {bare, {.space_name = "s3", .radius_m = 1e9}, 1, 1e9, 1.5707963267948966e9},
+        {huge, {0}, 0, 1e9, 0.9},
         {file, {0}, 0, 2, 0.9},
         {file, {.space_name = "h3"}, -1, 2, 2 * 1.0612750619050357},
         {file, {.radius_m = 5}, 0, 5, 0.9},
@@ -152,7 +156,7 @@ static void command_line_before_file_before_defaults(void **state) {
         struct ap_scene *s = must_read(cases[i].text, &cases[i].params);
         assert_int_equal(s->space.kappa, cases[i].kappa);
         close_to("radius", s->space.rho_m, cases[i].rho_m, 2e-15 * 3);
-        close_to("edge", s->table_edge_m, cases[i].edge_m, 1e-14);
+        close_to("edge", s->table_edge_m, cases[i].edge_m, 1e-14 * fmax(cases[i].edge_m, 1));
         close_to("height", s->table_height_m, 0.75, 0);
         assert_int_equal(s->has_table, cases[i].text == tabled);
         ap_scene_destroy(s);
