@@ -182,8 +182,9 @@ static enum ap_status choose_quality(struct ap_error *err, const struct ap_room_
                                      struct ap_room *room) {
     if (!isnan(o->max_error_px) && !(o->max_error_px >= 0.001 && o->max_error_px <= 100))
         return ap_fail(err, AP_USAGE, "--max-error: expected 0.001 to 100 pixels");
-    if (!isnan(o->samples) && o->samples != 4 && o->samples != 16 && o->samples != 64)
-        return ap_fail(err, AP_USAGE, "--samples: expected 4, 16 or 64 a pixel");
+    if (!isnan(o->samples) && o->samples != 1 && o->samples != 4 && o->samples != 16 &&
+        o->samples != 64)
+        return ap_fail(err, AP_USAGE, "--samples: expected 1, 4, 16 or 64 a pixel");
     room->max_error_px = isnan(o->max_error_px) ? 0 : o->max_error_px;
     room->samples = isnan(o->samples) ? 0 : (uint32_t)o->samples;
     room->no_cull = o->no_cull;

@@ -52,7 +52,8 @@ struct ap_room_options {
         {"side-pockets", AP_OPTION_FLAG, &(o).side_pockets, "", "e3: a table of six pockets"},     \
         {"max-error", AP_OPTION_NUMBER, &(o).max_error_px, "PX",                                   \
          "farthest that a surface may be seen from where it is (0.25)"},                           \
-        {"samples", AP_OPTION_NUMBER, &(o).samples, "N", "a pixel: 4, 16 or 64 (4)"},              \
+        {"samples", AP_OPTION_NUMBER, &(o).samples, "N",                                           \
+         "a pixel: 1 (no smooth edges), 4, 16, 64 (4)"},                                           \
         {"no-cull", AP_OPTION_FLAG, &(o).no_cull, "",                                              \
          "draw what no eye can see too: the same pictures, to compare the work"},                  \
         {"scene", AP_OPTION_TEXT, &(o).scene, "FILE|NAME",                                         \

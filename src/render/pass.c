@@ -38,7 +38,8 @@ static enum ap_status create_render_pass(struct ap_error *err, const struct ap_g
                                          const struct ap_pass_params *params, VkRenderPass *made) {
     VkAttachmentDescription attachments[2] = {
         attachment(params->color_format, params->samples, VK_ATTACHMENT_STORE_OP_STORE,
-                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
+                   params->straight ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL
+                                    : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
         attachment(DEPTH_FORMAT, params->samples, VK_ATTACHMENT_STORE_OP_DONT_CARE,
                    VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL)};
     VkAttachmentReference color = {0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
@@ -47,25 +48,29 @@ static enum ap_status create_render_pass(struct ap_error *err, const struct ap_g
                                     .colorAttachmentCount = 1,
                                     .pColorAttachments = &color,
                                     .pDepthStencilAttachment = &depth};
-    // The images are used again by the next pass or frame.
+    // The images are used again by the next pass or frame; a target by whoever it belongs to.
     VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
                                   VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
                                   VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
     VkAccessFlags access =
         VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+    bool straight = params->straight;
     VkSubpassDependency dependencies[2] = {
         {.srcSubpass = VK_SUBPASS_EXTERNAL,
          .dstSubpass = 0,
-         .srcStageMask = stages | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+         .srcStageMask = straight ? VK_PIPELINE_STAGE_ALL_COMMANDS_BIT
+                                  : stages | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
          .dstStageMask = stages,
-         .srcAccessMask = access,
+         .srcAccessMask = straight ? VK_ACCESS_MEMORY_WRITE_BIT : access,
          .dstAccessMask = access | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT},
         {.srcSubpass = 0,
          .dstSubpass = VK_SUBPASS_EXTERNAL,
          .srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-         .dstStageMask = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+         .dstStageMask =
+             straight ? VK_PIPELINE_STAGE_ALL_COMMANDS_BIT : VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
          .srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
-         .dstAccessMask = VK_ACCESS_SHADER_READ_BIT}};
+         .dstAccessMask = straight ? VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT
+                                   : VK_ACCESS_SHADER_READ_BIT}};
     uint32_t mask = 3;
     VkRenderPassMultiviewCreateInfo multiview = {
         .sType = VK_STRUCTURE_TYPE_RENDER_PASS_MULTIVIEW_CREATE_INFO,
@@ -85,6 +90,21 @@ static enum ap_status create_render_pass(struct ap_error *err, const struct ap_g
                        "vkCreateRenderPass");
 }
 
+enum ap_status ap_pass_framebuffer(struct ap_error *err, const struct ap_gpu *gpu,
+                                   const struct ap_pass *pass, VkImageView color,
+                                   VkFramebuffer *framebuffer) {
+    VkImageView views[2] = {color, pass->depth.view};
+    VkFramebufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+                                    .renderPass = pass->render_pass,
+                                    .attachmentCount = 2,
+                                    .pAttachments = views,
+                                    .width = pass->params.width,
+                                    .height = pass->params.height,
+                                    .layers = 1};
+    return ap_vk_check(err, vkCreateFramebuffer(gpu->device, &info, NULL, framebuffer),
+                       "vkCreateFramebuffer");
+}
+
 static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *gpu,
                                     const struct ap_pass_params *params, struct ap_pass *pass) {
     VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
@@ -96,8 +116,10 @@ static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *g
                               .samples = params->samples,
                               .usage =
                                   VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
-    enum ap_status st = ap_gpu_image_create(err, gpu, &info, VK_IMAGE_VIEW_TYPE_2D_ARRAY,
-                                            VK_IMAGE_ASPECT_COLOR_BIT, &pass->color);
+    enum ap_status st = AP_OK;
+    if (!params->straight)
+        st = ap_gpu_image_create(err, gpu, &info, VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+                                 VK_IMAGE_ASPECT_COLOR_BIT, &pass->color);
     if (st != AP_OK)
         return st;
     info.format = DEPTH_FORMAT;
@@ -105,19 +127,9 @@ static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *g
         VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
     st = ap_gpu_image_create(err, gpu, &info, VK_IMAGE_VIEW_TYPE_2D_ARRAY,
                              VK_IMAGE_ASPECT_DEPTH_BIT, &pass->depth);
-    if (st != AP_OK)
+    if (st != AP_OK || params->straight)
         return st;
-    VkImageView views[2] = {pass->color.view, pass->depth.view};
-    VkFramebufferCreateInfo framebuffer = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
-                                           .renderPass = pass->render_pass,
-                                           .attachmentCount = 2,
-                                           .pAttachments = views,
-                                           .width = params->width,
-                                           .height = params->height,
-                                           .layers = 1};
-    return ap_vk_check(err,
-                       vkCreateFramebuffer(gpu->device, &framebuffer, NULL, &pass->framebuffer),
-                       "vkCreateFramebuffer");
+    return ap_pass_framebuffer(err, gpu, pass, pass->color.view, &pass->framebuffer);
 }
 
 static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu *gpu,

@@ -3,8 +3,8 @@
 
 #include "src/gpu/gpu.h"
 
-// One way of drawing: a render pass with its multisampled images and its pipelines, for one eye at
-// a time (views 1) or both at once with multiview (views 2).
+// One way of drawing: a render pass with the images that it draws into and its pipelines, for one
+// eye at a time (views 1) or both at once with multiview (views 2).
 
 enum ap_pipeline_kind {
     AP_PIPELINE_CLOSED,   // back faces are not seen
@@ -44,14 +44,15 @@ struct ap_pass_params {
     VkFormat color_format;
     uint32_t width, height, views;
     VkSampleCountFlagBits samples;
+    bool straight; // into somebody else's image, in which it stays: none of its own
     VkPipelineLayout layout;
 };
 
 struct ap_pass {
     struct ap_pass_params params;
     uint32_t views;
-    VkRenderPass render_pass; // colour and depth, multisampled; the colour is read afterwards
-    VkFramebuffer framebuffer;
+    VkRenderPass render_pass;  // colour, which is read afterwards, and depth
+    VkFramebuffer framebuffer; // straight: none
     struct ap_gpu_image color, depth;
     VkShaderModule shader[AP_PASS_SHADERS];                 // vertex and fragment in turn
     VkPipeline pipeline[AP_WORLD_COUNT][AP_PIPELINE_COUNT]; // made when they are first needed
@@ -59,6 +60,10 @@ struct ap_pass {
 
 enum ap_status ap_pass_create(struct ap_error *err, const struct ap_gpu *gpu,
                               const struct ap_pass_params *params, struct ap_pass *pass);
+// Of a straight pass: a framebuffer, the caller's, that draws into an image of the pass's size.
+enum ap_status ap_pass_framebuffer(struct ap_error *err, const struct ap_gpu *gpu,
+                                   const struct ap_pass *pass, VkImageView color,
+                                   VkFramebuffer *framebuffer);
 // The pipelines for a world. Those of the kinds that are marked are made if this is the first time:
 // most frames need few of them, and a software device takes some 50 ms for each.
 enum ap_status ap_pass_pipelines(struct ap_error *err, const struct ap_gpu *gpu,

@@ -32,6 +32,7 @@ struct ap_renderer {
     double max_error_px;
     VkSampleCountFlagBits samples;
     uint32_t across; // pixels that are drawn for one of the target's, to each side
+    bool straight;   // drawn into the target itself: one sample a pixel, eye by eye
     struct ap_meshes meshes;
     struct ap_draw_list list;
     struct ap_decals decals;
@@ -82,8 +83,8 @@ static enum ap_status choose_samples(struct ap_error *err, struct ap_renderer *r
     uint32_t limit = r->gpu->properties.limits.maxImageDimension2D;
     bool larger = is_software(r->gpu) && r->scene->honeycomb && r->params.samples == 0 &&
                   r->params.width <= limit / 2 && r->params.height <= limit / 2;
-    if (wanted != 4 && wanted != 16 && wanted != 64)
-        return ap_fail(err, AP_USAGE, "%u samples a pixel: expected 4, 16 or 64", wanted);
+    if (wanted != 1 && wanted != 4 && wanted != 16 && wanted != 64)
+        return ap_fail(err, AP_USAGE, "%u samples a pixel: expected 1, 4, 16 or 64", wanted);
     while (larger ? wanted > 1 : !has_samples(r->gpu, wanted) && wanted > 4) {
         wanted /= 4;
         across *= 2;
@@ -95,6 +96,7 @@ static enum ap_status choose_samples(struct ap_error *err, struct ap_renderer *r
                        r->params.width, r->params.height, r->params.samples, limit);
     r->samples = (VkSampleCountFlagBits)wanted;
     r->across = across;
+    r->straight = r->params.samples == 1 && !r->multiview;
     return AP_OK;
 }
 
@@ -332,9 +334,11 @@ void ap_renderer_destroy(struct ap_renderer *r) {
     free(r);
 }
 
-// A view of one eye's layer of the target and the framebuffer that draws into it.
+// A view of one eye's layer of the target and the framebuffer that draws into it: of `straight`, or
+// where that is NULL of the pass that averages.
 static enum ap_status bind_target(struct ap_error *err, const struct ap_renderer *r,
-                                  const struct ap_target *target, struct slot *slot, int eye) {
+                                  const struct ap_target *target, const struct ap_pass *straight,
+                                  struct slot *slot, int eye) {
     VkImageViewCreateInfo view = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
         .image = target->image[eye],
@@ -346,6 +350,9 @@ static enum ap_status bind_target(struct ap_error *err, const struct ap_renderer
                     "vkCreateImageView of a target");
     if (st != AP_OK)
         return st;
+    if (straight)
+        return ap_pass_framebuffer(err, r->gpu, straight, slot->target[eye],
+                                   &slot->framebuffer[eye]);
     VkFramebufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
                                     .renderPass = r->resolve.render_pass,
                                     .attachmentCount = 1,
@@ -398,7 +405,7 @@ static void record_draws(const struct ap_renderer *r, const struct slot *slot, u
 
 // first_eye: the only one, or 0 for both.
 static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
-                        const struct slot *slot, int32_t first_eye) {
+                        const struct slot *slot, VkFramebuffer framebuffer, int32_t first_eye) {
     VkClearValue clear[2] = {0}; // depth is reversed: 0 is far
     const double *back = r->scene->background_srgb;
     for (int i = 0; i < 3; i++)
@@ -407,7 +414,7 @@ static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
     VkRenderPassBeginInfo begin = {
         .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
         .renderPass = pass->render_pass,
-        .framebuffer = pass->framebuffer,
+        .framebuffer = framebuffer,
         .renderArea = {{0, 0}, {r->across * r->params.width, r->across * r->params.height}},
         .clearValueCount = 2,
         .pClearValues = clear};
@@ -427,11 +434,12 @@ static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r,
                                     r->across * r->params.height,
                                     both ? 2 : 1,
                                     r->samples,
+                                    r->straight,
                                     r->layout};
     enum ap_status st = AP_OK;
     if (!r->pass[both].render_pass) {
         st = ap_pass_create(err, r->gpu, &params, &r->pass[both]);
-        if (st == AP_OK)
+        if (st == AP_OK && !r->straight)
             ap_resolve_read(r->gpu, &r->resolve, both, r->pass[both].color.view);
     }
     const struct ap_world world = {viewer->space.kappa, (int)viewer->mode,
@@ -451,7 +459,8 @@ static enum ap_status record(struct ap_error *err, struct ap_renderer *r,
     bool both = r->multiview && closed_eyes == 0;
     enum ap_status st = need_pass(err, r, &input->viewer, both);
     for (int e = 0; st == AP_OK && e < 2; e++)
-        st = bind_target(err, r, target, slot, e);
+        st = bind_target(err, r, target,
+                         r->straight && !(closed_eyes >> e & 1) ? &r->pass[both] : NULL, slot, e);
     if (st != AP_OK)
         return st;
     const struct ap_pass *pass = &r->pass[both];
@@ -471,8 +480,9 @@ static enum ap_status record(struct ap_error *err, struct ap_renderer *r,
             continue;
         }
         if (e == 0 || !both)
-            record_pass(r, pass, slot, e);
-        ap_resolve_record(&r->resolve, slot->cmd, both, both ? e : 0, slot->framebuffer[e]);
+            record_pass(r, pass, slot, r->straight ? slot->framebuffer[e] : pass->framebuffer, e);
+        if (!r->straight)
+            ap_resolve_record(&r->resolve, slot->cmd, both, both ? e : 0, slot->framebuffer[e]);
     }
     if (r->times)
         vkCmdWriteTimestamp(slot->cmd, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, r->times, times + 1);

@@ -11,15 +11,16 @@
 
 // Draws a scene for both eyes with Vulkan: nose-from-object matrices made in double on the CPU, the
 // log map per vertex on the GPU (no inverse or hyperbolic built-ins), one pass for both eyes where
-// multiview is there, 4 samples a pixel or more, resolved in linear light (an sRGB target).
-// docs/rendering.md.
+// multiview is there, 4 samples a pixel, resolved in linear light (an sRGB target), or as many as
+// asked for. docs/rendering.md.
 
 struct ap_renderer;
 
 struct ap_renderer_params {
     VkFormat color_format;  // an sRGB format, or the result is written linear
     uint32_t width, height; // of one eye; both eyes are drawn at one size
-    uint32_t samples;       // a pixel: 4, 16 or 64; 0: 4, and how they are made is the renderer's
+    uint32_t samples;       // a pixel: 1 (at its middle: edges have steps), 4, 16 or 64; 0: 4, and
+                            // how they are made is the renderer's
     double max_error_px;    // 0: 0.25; how far from its true direction a surface may be seen
     // The scene's texts as coverage, 0…255: a square of decal_px for each of its decals, one after
     // the other. Copied. NULL: balls bear none.

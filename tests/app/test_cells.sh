@@ -64,4 +64,14 @@ compare_culled '{5,3,4} struts' --scene honeycomb:5,3,4,horizon=30
 compare_culled '{5,3,4} walls' --scene honeycomb:5,3,4,walls,width=0.6,horizon=30
 compare_culled 'billiards in s3' --space s3
 compare_culled 'billiards in h3' --space h3 --view tourist
+
+# One sample a pixel: another picture of the same world.
+expect 2 'samples: expected 1, 4, 16 or 64' "$antipode" replay --samples 2 "$work/walk.csv"
+for samples in 1 4; do
+	expect 0 '' "$antipode" replay --scene honeycomb:5,3,4,walls,horizon=30 --samples $samples \
+		--headset "$ci" --frames 0:1 --force --out "$work/samples$samples" "$work/walk.csv"
+done
+cmp "$work/samples1/views.csv" "$work/samples4/views.csv" || fail "--samples 1 draws other things"
+! cmp -s "$work/samples1/000000-left.png" "$work/samples4/000000-left.png" ||
+	fail "--samples 1 and 4 are the same picture"
 finish

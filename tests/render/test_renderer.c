@@ -354,18 +354,19 @@ static void nothing_within_a_millimetre_of_the_antipode_is_drawn(void **state) {
         }
 }
 
-static void a_shut_eye_is_black_and_changes_nothing(void **state) {
-    (void)state;
+static void shut_one_eye(struct ap_renderer *renderer) {
     struct ap_space space = SPACES[2];
     balls[0] = stage_ball(space, (struct ap_vec3){0.1, 0, -0.8}, 0.06, RED);
     balls[1] = stage_ball(space, (struct ap_vec3){-0.1, 0, -0.8}, 0.06, GREEN);
     balls_scene.background_srgb[1] = 0.5;
     struct ap_frame_input input = stage_input(space, AP_VIEW_NATIVE, 0.7, 0.06);
-    draw_balls(&input, 2);
+    balls_scene.space = space;
+    balls[1].hidden = false;
+    stage_draw(&stage, renderer, &input);
     uint8_t *open = copy_picture();
     for (int shut = 0; shut < 2; shut++) {
         input.closed_eyes = 1u << shut;
-        struct ap_frame_stats stats = draw_balls(&input, 2);
+        struct ap_frame_stats stats = stage_draw(&stage, renderer, &input);
         assert_int_equal(drawn(shut), 0);
         assert_int_equal(stats.eye[shut].triangles, 0);
         assert_memory_equal(stage_eye(&stage, !shut), open + (shut ? 0 : EYE_BYTES), EYE_BYTES);
@@ -373,6 +374,69 @@ static void a_shut_eye_is_black_and_changes_nothing(void **state) {
     }
     free(open);
     balls_scene.background_srgb[1] = 0;
+}
+
+static void a_shut_eye_is_black_and_changes_nothing(void **state) {
+    (void)state;
+    shut_one_eye(balls_renderer);
+    struct ap_renderer *one =
+        stage_renderer(&stage, &balls_scene, &(struct ap_renderer_params){.samples = 1});
+    shut_one_eye(one);
+    ap_renderer_destroy(one);
+}
+
+// How far pixel (i, j)'s middle is inside a convex outline, pixels; counterclockwise, row 0 above.
+static double inside_px(double corner[4][2], int i, int j) {
+    double least = INFINITY;
+    for (int k = 0; k < 4; k++) {
+        const double *a = corner[k], *b = corner[(k + 1) % 4];
+        double dx = b[0] - a[0], dy = b[1] - a[1];
+        least = fmin(least, (dy * (i + 0.5 - a[0]) - dx * (j + 0.5 - a[1])) / hypot(dx, dy));
+    }
+    return least;
+}
+
+// With one sample a pixel is what its middle is, in both eyes; with more, edges are between.
+static void one_sample_is_a_pixels_middle(void **state) {
+    (void)state;
+    const struct ap_space space = SPACES[1];
+    struct ap_part part = stage_ball(space, (struct ap_vec3){0, 0, -1}, 0.1, GREEN);
+    part.kind = AP_PART_POLYGON;
+    part.sides = 4;
+    part.edge_m = 0.5;
+    const double turn = 0.3, half = 0.7, ipd = 0.06, pixels = SIZE / (2 * tan(half));
+    part.carrier_from_part = ap_iso_mul(
+        part.carrier_from_part,
+        ap_iso_mul(ap_iso_rotate(ap_quat_from_axis_angle((struct ap_vec3){0, 0, 1}, turn)),
+                   ap_iso_rotate(ap_quat_from_axis_angle((struct ap_vec3){1, 0, 0}, PI / 2))));
+    struct ap_scene scene = stage_scene(space, &part, 1);
+    const struct ap_frame_input input = stage_input(space, AP_VIEW_NATIVE, half, ipd);
+    int off[2] = {0}, mixed[2] = {0}, seen[2] = {0};
+    for (int many = 0; many < 2; many++) {
+        draw_once(&scene, &input, &(struct ap_renderer_params){.samples = many ? 4 : 1});
+        for (int n = 0; n < 2 * SIZE * SIZE; n++) {
+            int e = n / (SIZE * SIZE), i = n % SIZE, j = n / SIZE % SIZE;
+            double corner[4][2];
+            for (int k = 0; k < 4; k++) {
+                double a = turn + (k + 0.5) * PI / 2, r = part.edge_m / sqrt(2);
+                corner[k][0] = SIZE / 2. + pixels * (r * cos(a) - (e ? ipd / 2 : -ipd / 2));
+                corner[k][1] = SIZE / 2. - pixels * r * sin(a);
+            }
+            double in = inside_px(corner, i, j);
+            const uint8_t *p = stage_eye(&stage, 0) + (size_t)4 * n;
+            bool all = memcmp(p, GREEN, 3) == 0, none = p[0] + p[1] + p[2] == 0;
+            seen[many] += all;
+            mixed[many] += !all && !none;
+            off[many] += fabs(in) > 0.02 && (in > 0 ? !all : !none);
+        }
+    }
+    printf(
+        "one sample: %d pixels of it, %d between, %d unlike their middle (0 expected); four: %d, "
+        "%d, %d\n",
+        seen[0], mixed[0], off[0], seen[1], mixed[1], off[1]);
+    assert_true(seen[0] > 5000 && mixed[1] > 200);
+    assert_int_equal(mixed[0], 0);
+    assert_int_equal(off[0], 0);
 }
 
 static void an_empty_scene_is_black(void **state) {
@@ -457,6 +521,7 @@ int main(void) {
         cmocka_unit_test(nothing_within_a_millimetre_is_drawn),
         cmocka_unit_test(nothing_within_a_millimetre_of_the_antipode_is_drawn),
         cmocka_unit_test(a_shut_eye_is_black_and_changes_nothing),
+        cmocka_unit_test(one_sample_is_a_pixels_middle),
         cmocka_unit_test(an_empty_scene_is_black),
         cmocka_unit_test(hands_come_and_go),
         cmocka_unit_test(solids_are_drawn_where_they_are),

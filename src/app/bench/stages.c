@@ -17,20 +17,24 @@ static enum ap_status renderer_of(struct ap_error *err, const struct ap_bench *b
     ap_room_renderer_params(room, &params);
     params.max_error_px = with->max_error_px;
     params.no_cull = with->no_cull;
+    params.samples = with->samples;
     params.now_ns = ap_bench_thread_ns;
     return ap_renderer_create(err, &bench->gpu, room->scene, &params, renderer);
 }
 
 // A full picture; the same triangles in a picture an 8th as wide and high, which leaves what
-// vertices cost; nothing in a full one, which leaves clearing and averaging.
-enum { FULL, SMALL, EMPTY, CASES };
+// vertices cost; a full one with one sample a pixel; nothing in a full one, which leaves clearing
+// and averaging.
+enum { FULL, SMALL, ONE, EMPTY, CASES };
 
 static enum ap_status race_stages(struct ap_error *err, const struct ap_bench *bench,
                                   const struct ap_room room[2], const struct ap_bench_view *view,
                                   const struct ap_bench_screen screen[2],
                                   struct ap_bench_case cases[CASES]) {
-    const struct ap_renderer_params with[CASES] = {
-        {.max_error_px = 0.25}, {.max_error_px = 0.25 / SMALLER}, {.max_error_px = 0.25}};
+    const struct ap_renderer_params with[CASES] = {[FULL] = {.max_error_px = 0.25},
+                                                   [SMALL] = {.max_error_px = 0.25 / SMALLER},
+                                                   [ONE] = {.max_error_px = 0.25, .samples = 1},
+                                                   [EMPTY] = {.max_error_px = 0.25}};
     enum ap_status st = AP_OK;
     for (int i = 0; !st && i < CASES; i++) {
         cases[i].screen = &screen[i == SMALL];
@@ -40,7 +44,7 @@ static enum ap_status race_stages(struct ap_error *err, const struct ap_bench *b
                          &cases[i].renderer);
     }
     if (!st)
-        st = ap_bench_race(err, bench, cases, SMALL + 1);
+        st = ap_bench_race(err, bench, cases, EMPTY);
     for (size_t i = 0; i < room->scene->part_count; i++)
         room->scene->parts[i].hidden = true;
     if (!st)
@@ -60,11 +64,11 @@ static void write_stages(FILE *csv, const struct ap_bench_view *view, const stru
                   (bench->software ? c[i].place_ms.median + c[i].record_ms.median : 0);
     double frame = rest[EMPTY], vertices = rest[SMALL] - frame / (SMALLER * SMALLER),
            pixels = rest[FULL] - frame - vertices;
-    fprintf(csv, "\"%s\",%ux%u,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%llu,%u\n",
+    fprintf(csv, "\"%s\",%ux%u,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g,%llu,%u\n",
             view->name, screen->width, screen->height, c[FULL].cost_ms.low, c[FULL].cost_ms.median,
             c[FULL].cost_ms.high, c[FULL].place_ms.median, c[FULL].record_ms.median,
             fmax(vertices, 0), fmax(pixels, 0), fmax(frame, 0), c[FULL].cpu_ms.median / megapixels,
-            c[FULL].gpu_ms.median,
+            c[ONE].cpu_ms.median / megapixels, c[FULL].gpu_ms.median,
             (unsigned long long)(c[FULL].stats.eye[0].triangles + c[FULL].stats.eye[1].triangles),
             c[FULL].stats.cells.visited);
 }
@@ -115,11 +119,11 @@ enum ap_status ap_bench_stages(struct ap_error *err, const struct ap_bench *benc
     const uint32_t *shown = ap_bench_sizes_px[bench->quick];
     double prepared = 0, others = 0;
     struct ap_bench_table table = {0};
-    enum ap_status st =
-        ap_bench_begin(err, "stages",
-                       "scene,size_px,ms_low,ms,ms_high,place_ms,record_ms,vertices_ms,pixels_ms,"
-                       "clear_and_average_ms,cpu_ms_a_megapixel,gpu_ms,triangles,cells",
-                       &table);
+    enum ap_status st = ap_bench_begin(
+        err, "stages",
+        "scene,size_px,ms_low,ms,ms_high,place_ms,record_ms,vertices_ms,pixels_ms,"
+        "clear_and_average_ms,cpu_ms_a_megapixel,one_sample_ms_a_megapixel,gpu_ms,triangles,cells",
+        &table);
     for (int k = bench->quick; k < 2; k++)
         for (int i = 0; !st && i < ap_bench_view_count; i++)
             st = measure(err, bench, &ap_bench_views[i], ap_bench_sizes_px[k], table.csv,

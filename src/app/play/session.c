@@ -83,6 +83,8 @@ static enum ap_status make_renderer(struct ap_error *err, struct ap_play *play) 
     if (isnan(play->params.room.max_error_px))
         render.max_error_px = fmax(render.max_error_px, ap_detail_error_px(&play->detail));
     play->error_px = render.max_error_px;
+    if (isnan(play->params.room.samples)) // likewise
+        render.samples = ap_detail_samples(&play->detail);
     return ap_renderer_create(err, &play->gpu, play->room.scene, &render, &play->renderer);
 }
 
@@ -398,9 +400,12 @@ static enum ap_status draw(struct ap_error *err, struct ap_play *play, struct ap
 }
 
 void ap_play_say_detail(const struct ap_play *play) {
-    printf("detail: %u x %u of %u x %u pixels an eye, error bound %g px%s%s\n",
+    printf("detail: %u x %u of %u x %u pixels an eye, error bound %g px%s%s%s\n",
            play->drawn_width_px, play->drawn_height_px, play->width_px, play->height_px,
            play->error_px, ap_detail_plain(&play->detail) ? ", plain surfaces" : "",
+           isnan(play->params.room.samples) && ap_detail_samples(&play->detail) == 1
+               ? ", edges with steps"
+               : "",
            play->detail.automatic ? ", chosen for 30 frames a second" : "");
     fflush(stdout);
 }

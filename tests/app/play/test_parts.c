@@ -146,10 +146,11 @@ static void a_menu_is_walked(void **state) {
 }
 
 // A machine whose frames cost `ms` at full size, in proportion to the pixels, two thirds of it
-// where surfaces are plain, and 3 ms more.
+// where surfaces are plain, half where a pixel has one sample, and 3 ms more.
 static double cost_ms(const struct ap_detail *detail, double ms) {
     double scale = ap_detail_scale(detail);
-    return 3 + ms * scale * scale / (ap_detail_plain(detail) ? 1.5 : 1);
+    return 3 + ms * scale * scale / (ap_detail_plain(detail) ? 1.5 : 1) /
+                   (ap_detail_samples(detail) == 1 ? 2 : 1);
 }
 
 static int settled_level(struct ap_detail *detail, double ms, int frames, int *changes) {
