@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "src/view/cull.h"
+#include "tests/samples.h"
 #include "tests/view/random.h"
 
 // The claim: what an eye can see is never culled. The objects are random; their points are sampled,
@@ -130,7 +131,7 @@ static void never_hides_what_is_visible(void **state) {
             for (int mode = AP_VIEW_NATIVE; mode <= AP_VIEW_BORN; mode++)
                 for (int shape = BALL; shape < SHAPES; shape++) {
                     struct tally tally = {0};
-                    int n = mode == AP_VIEW_BORN ? CASES / 6 : CASES;
+                    int n = test_samples(mode == AP_VIEW_BORN ? CASES / 6 : CASES);
                     for (int i = 0; i < n; i++, cases++)
                         one_case(&dice, kappa, (enum ap_view_mode)mode, image, (enum shape)shape,
                                  &tally);

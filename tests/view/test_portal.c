@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "src/view/portal.h"
+#include "tests/samples.h"
 #include "tests/view/random.h"
 
 // Whatever an eye sees lies in a cell that the walk visits: points of random lines of sight are
@@ -64,7 +65,7 @@ static void whatever_is_seen_is_visited(void **state) {
     struct dice dice = {2026};
     long tried = 0, cells_seen = 0, cells_out = 0;
     for (size_t i = 0; i < 8; i++)
-        for (int round = 0; round < 24; round++) {
+        for (int round = 0; round < test_samples(24); round++) {
             int kappa;
             ap_symbol_space(NULL, symbols[i], &kappa);
             enum ap_view_mode mode = round % 2 ? AP_VIEW_TOURIST : AP_VIEW_NATIVE;
@@ -105,7 +106,7 @@ static void whatever_is_seen_is_visited(void **state) {
         }
     print_message("%ld points; %ld cells visited, %ld beside them left out\n", tried, cells_seen,
                   cells_out);
-    assert_true(tried > 200000);
+    assert_true(tried > test_samples(200000));
     assert_true(cells_out > cells_seen / 20);
 }
 

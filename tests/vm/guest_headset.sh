@@ -1,6 +1,6 @@
 # From the kernel's devices through the simulated headset to an OpenXR program.
 . /data/guest.sh
-seconds=${VM_SECONDS:-60}
+seconds=${VM_SECONDS:-20}
 export XR_RUNTIME_JSON=/data/openxr_antipode.json ANTIPODE_SIM=/tmp/sim.json
 echo '{"poses": {"devices": ["head=slimevr"], "stats": true}, "clock": "real"}' >/tmp/sim.json
 make_recording slimevr 6283 1000 >/tmp/s.hid
