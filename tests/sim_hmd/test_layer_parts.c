@@ -1,4 +1,4 @@
-#include "tests/sim_hmd/client.h"
+#include "tests/sim_hmd/painter.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -16,22 +16,7 @@
 
 enum { SIDE = 16, W = 40, H = 24, MAX_BYTES = 12 * SIDE * SIDE * 4 };
 
-struct program {
-    struct client c;
-    VkBuffer buffer;
-    VkDeviceMemory memory;
-    uint8_t *mapped;
-    VkCommandPool pool;
-    VkQueue queue;
-};
-
-static const char *path_of(const char *dir, const char *name) {
-    static char path[512];
-    snprintf(path, sizeof path, "%s/%s/%s", client_folder(), dir, name);
-    return path;
-}
-
-static void begin_program(struct program *p, const char *dir, const char *more) {
+static void begin_program(struct painter *p, const char *dir, const char *more) {
     static const char *const extensions[] = {XR_KHR_COMPOSITION_LAYER_CUBE_EXTENSION_NAME,
                                              XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME};
     char json[1024];
@@ -45,31 +30,7 @@ static void begin_program(struct program *p, const char *dir, const char *more) 
         client_folder(), dir, more, W, H, W, H);
     client_settings(json);
     client_extensions(extensions, 2);
-    *p = (struct program){0};
-    client_start(&p->c);
-    VkBufferCreateInfo b = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                            .size = MAX_BYTES,
-                            .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
-    VkMemoryRequirements needs;
-    assert_int_equal(vkCreateBuffer(p->c.device, &b, NULL, &p->buffer), VK_SUCCESS);
-    vkGetBufferMemoryRequirements(p->c.device, p->buffer, &needs);
-    VkMemoryAllocateInfo a = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                              .allocationSize = needs.size}; // type 0: host visible on lavapipe
-    VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    assert_int_equal(vkAllocateMemory(p->c.device, &a, NULL, &p->memory), VK_SUCCESS);
-    assert_int_equal(vkBindBufferMemory(p->c.device, p->buffer, p->memory, 0), VK_SUCCESS);
-    assert_int_equal(vkMapMemory(p->c.device, p->memory, 0, VK_WHOLE_SIZE, 0, (void **)&p->mapped),
-                     VK_SUCCESS);
-    assert_int_equal(vkCreateCommandPool(p->c.device, &pool, NULL, &p->pool), VK_SUCCESS);
-    vkGetDeviceQueue(p->c.device, 0, 0, &p->queue);
-}
-
-static void end_program(struct program *p) {
-    vkDeviceWaitIdle(p->c.device);
-    vkDestroyCommandPool(p->c.device, p->pool, NULL);
-    vkDestroyBuffer(p->c.device, p->buffer, NULL);
-    vkFreeMemory(p->c.device, p->memory, NULL);
-    client_stop(&p->c);
+    painter_start(p, MAX_BYTES);
 }
 
 static XrSwapchainCreateInfo swapchain_info(VkFormat format, bool depth, uint32_t faces) {
@@ -87,58 +48,26 @@ static XrSwapchainCreateInfo swapchain_info(VkFormat format, bool depth, uint32_
                                    .mipCount = 1};
 }
 
-static void turn(VkCommandBuffer cmd, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
-                 VkImageLayout to) {
-    VkImageMemoryBarrier b = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
-                              .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
-                              .dstAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
-                              .oldLayout = from,
-                              .newLayout = to,
-                              .image = image,
-                              .subresourceRange = {aspect, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS}};
-    vkCmdPipelineBarrier(cmd, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
-                         VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, NULL, 0, NULL, 1, &b);
-}
-
 // A swapchain whose next image holds what the buffer does, all its layers one after another.
-static XrSwapchain painted(struct program *p, const XrSwapchainCreateInfo *info, bool depth) {
+static XrSwapchain painted(struct painter *p, const XrSwapchainCreateInfo *info, bool depth) {
     XrSwapchain swapchain;
     XR_OK(xrCreateSwapchain(p->c.session, info, &swapchain));
-    XrSwapchainImageVulkanKHR images[3] = {{.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR},
-                                           {.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR},
-                                           {.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR}};
-    uint32_t count, index;
-    XrSwapchainImageWaitInfo wait = {.type = XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO,
-                                     .timeout = XR_INFINITE_DURATION};
-    XR_OK(xrEnumerateSwapchainImages(swapchain, 3, &count, (XrSwapchainImageBaseHeader *)images));
-    XR_OK(xrAcquireSwapchainImage(swapchain, NULL, &index));
-    XR_OK(xrWaitSwapchainImage(swapchain, &wait));
+    VkImage image = painter_acquire(swapchain);
     const VkImageAspectFlags aspect = depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
     const VkImageLayout layout = depth ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL
                                        : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    VkCommandBufferAllocateInfo a = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                     .commandPool = p->pool,
-                                     .commandBufferCount = 1};
-    VkCommandBuffer cmd;
-    assert_int_equal(vkAllocateCommandBuffers(p->c.device, &a, &cmd), VK_SUCCESS);
-    VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    VkCommandBuffer cmd = painter_begin(p);
     VkBufferImageCopy copy = {.imageSubresource = {aspect, 0, 0, info->faceCount * info->arraySize},
                               .imageExtent = {info->width, info->height, 1}};
-    vkBeginCommandBuffer(cmd, &begin);
-    turn(cmd, images[index].image, aspect, layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    vkCmdCopyBufferToImage(cmd, p->buffer, images[index].image,
-                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
-    turn(cmd, images[index].image, aspect, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, layout);
-    vkEndCommandBuffer(cmd);
-    VkSubmitInfo submit = {
-        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &cmd};
-    assert_int_equal(vkQueueSubmit(p->queue, 1, &submit, VK_NULL_HANDLE), VK_SUCCESS);
-    vkQueueWaitIdle(p->queue); // the buffer is written again
+    painter_turn(cmd, image, aspect, layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdCopyBufferToImage(cmd, p->buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+    painter_turn(cmd, image, aspect, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, layout);
+    painter_end(p, cmd);
     XR_OK(xrReleaseSwapchainImage(swapchain, NULL));
     return swapchain;
 }
 
-static XrResult try_end(struct program *p, XrTime time, const void *layer) {
+static XrResult try_end(struct painter *p, XrTime time, const void *layer) {
     const XrCompositionLayerBaseHeader *list = layer;
     XrFrameEndInfo end = {.type = XR_TYPE_FRAME_END_INFO,
                           .displayTime = time,
@@ -148,7 +77,7 @@ static XrResult try_end(struct program *p, XrTime time, const void *layer) {
     return xrEndFrame(p->c.session, &end);
 }
 
-static XrTime begin_frame(struct program *p) {
+static XrTime begin_frame(struct painter *p) {
     XrTime time = client_wait(&p->c).predictedDisplayTime;
     client_begin(&p->c);
     return time;
@@ -157,13 +86,13 @@ static XrTime begin_frame(struct program *p) {
 static struct ap_image picture(const char *dir, const char *name) {
     struct ap_image image;
     struct ap_error err;
-    if (ap_picture_read(&err, path_of(dir, name), &image))
+    if (ap_picture_read(&err, painter_path(dir, name), &image))
         fail_msg("%s", err.text);
     return image;
 }
 
 static void has_no(const char *dir, const char *name) {
-    if (ap_file_exists(path_of(dir, name)))
+    if (ap_file_exists(painter_path(dir, name)))
         fail_msg("%s is there, and should not be", name);
 }
 
@@ -171,7 +100,8 @@ static void has_no(const char *dir, const char *name) {
 static json_t *line_of(const char *dir) {
     char *text;
     size_t len;
-    assert_int_equal(ap_file_read(NULL, path_of(dir, "frames.jsonl"), 1 << 20, &text, &len), AP_OK);
+    assert_int_equal(ap_file_read(NULL, painter_path(dir, "frames.jsonl"), 1 << 20, &text, &len),
+                     AP_OK);
     json_t *root = json_loadb(text, strcspn(text, "\n"), JSON_REJECT_DUPLICATES, NULL);
     assert_non_null(root);
     free(text);
@@ -192,7 +122,7 @@ static uint8_t face_texel(int layer, int x, int y, int c) {
     return (uint8_t)v[c];
 }
 
-static XrSwapchain painted_cube(struct program *p) {
+static XrSwapchain painted_cube(struct painter *p) {
     uint8_t *to = p->mapped;
     for (int layer = 0; layer < 12; layer++)
         for (int k = 0; k < SIDE * SIDE * 4; k++)
@@ -201,7 +131,7 @@ static XrSwapchain painted_cube(struct program *p) {
     return painted(p, &info, false);
 }
 
-static XrCompositionLayerCubeKHR cube_of(const struct program *p, XrSwapchain swapchain) {
+static XrCompositionLayerCubeKHR cube_of(const struct painter *p, XrSwapchain swapchain) {
     return (XrCompositionLayerCubeKHR){.type = XR_TYPE_COMPOSITION_LAYER_CUBE_KHR,
                                        .space = p->c.view,
                                        .eyeVisibility = XR_EYE_VISIBILITY_BOTH,
@@ -218,11 +148,11 @@ static void faces(void **state) {
                                         "000000-layer0-right.png", "000000-layer0-left.png",
                                         "000000-layer0-up.png",    "000000-layer0-down.png",
                                         "000000-layer0-back.png",  "000000-layer0-front.png"};
-    struct program p;
+    struct painter p;
     begin_program(&p, "faces", ", \"frames\": \"0:1\"");
     XrCompositionLayerCubeKHR cube = cube_of(&p, painted_cube(&p));
     XR_OK(try_end(&p, begin_frame(&p), &cube));
-    end_program(&p);
+    painter_stop(&p);
     for (int face = 0; face < 6; face++) {
         struct ap_image image = picture("faces", names[2 + face]);
         assert_int_equal(image.width, SIDE);
@@ -257,7 +187,7 @@ struct projection {
 
 static const XrRect2Di part = {{3, 5}, {31, 17}};
 
-static void make_projection(struct program *p, XrTime time, XrSwapchain colour, XrSwapchain depth,
+static void make_projection(struct painter *p, XrTime time, XrSwapchain colour, XrSwapchain depth,
                             float min, float max, struct projection *out) {
     XrViewLocateInfo info = {.type = XR_TYPE_VIEW_LOCATE_INFO,
                              .viewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO,
@@ -304,7 +234,7 @@ static double real_value(float v) {
     return s >= 65535 ? 65535 : s > 0 ? s : 0;
 }
 
-static XrSwapchain painted_depth(struct program *p, VkFormat format) {
+static XrSwapchain painted_depth(struct painter *p, VkFormat format) {
     for (int k = 0; k < 2 * W * H; k++) {
         int layer = k / (W * H), x = k % W, y = k / W % H;
         uint16_t v = short_depth(layer, x, y);
@@ -318,7 +248,7 @@ static XrSwapchain painted_depth(struct program *p, VkFormat format) {
     return painted(p, &info, true);
 }
 
-static XrSwapchain painted_colour(struct program *p) {
+static XrSwapchain painted_colour(struct painter *p) {
     memset(p->mapped, 0x55, MAX_BYTES);
     XrSwapchainCreateInfo info = swapchain_info(VK_FORMAT_R8G8B8A8_SRGB, false, 1);
     return painted(p, &info, false);
@@ -381,7 +311,7 @@ static void depths(void **state) {
     (void)state;
     for (int real = 0; real < 2; real++) {
         const char *dir = real ? "real" : "short";
-        struct program p;
+        struct painter p;
         struct projection l;
         begin_program(&p, dir, ", \"frames\": \"0:1\", \"composed\": false");
         XrSwapchain colour = painted_colour(&p);
@@ -389,7 +319,7 @@ static void depths(void **state) {
         XrTime time = begin_frame(&p);
         make_projection(&p, time, colour, depth, real ? 0.25f : 0, real ? 0.75f : 1, &l);
         XR_OK(try_end(&p, time, &l.layer));
-        end_program(&p);
+        painter_stop(&p);
         check_depths(dir, real, false);
         check_depth_line(dir, real ? "D32_SFLOAT" : "D16_UNORM", real ? 0.25 : 0, real ? 0.75 : 1);
     }
@@ -398,7 +328,7 @@ static void depths(void **state) {
 // PAM; then frames without a depth and with one of several samples, which give no picture of it.
 static void depths_raw_and_none(void **state) {
     (void)state;
-    struct program p;
+    struct painter p;
     struct projection l;
     begin_program(&p, "raw", ", \"frames\": \"0:3\", \"composed\": false, \"format\": \"raw\"");
     XrSwapchain colour = painted_colour(&p), depth = painted_depth(&p, VK_FORMAT_D16_UNORM), many;
@@ -423,7 +353,7 @@ static void depths_raw_and_none(void **state) {
         XR_OK(try_end(&p, time, &l.layer));
     } else
         printf("no depth of several samples on this device: not tried\n");
-    end_program(&p);
+    painter_stop(&p);
     check_depths("raw", false, true);
     has_no("raw", "000001-layer0-depth-left.pam");
     has_no("raw", "000002-layer0-depth-left.pam");
@@ -435,7 +365,7 @@ static void a_full_disk(void **state) {
     (void)state;
     signal(SIGXFSZ, SIG_IGN);
     for (int k = 0; k < 2; k++) {
-        struct program p;
+        struct painter p;
         struct projection l;
         struct rlimit old, small;
         const char *dir = k ? "full-depth" : "full-cube";
@@ -461,7 +391,7 @@ static void a_full_disk(void **state) {
         }
         setrlimit(RLIMIT_FSIZE, &old);
         XR_IS(XR_ERROR_SESSION_LOST, result);
-        end_program(&p);
+        painter_stop(&p);
         has_no(dir, "frames.jsonl");
     }
 }
