@@ -159,8 +159,9 @@ static void count_views(struct ap_replay_totals *totals, const struct ap_frame_s
     totals->refined += stats->refined;
     if (stats->beyond_bound > 0 && totals->beyond_bound == 0)
         ap_log(AP_LOG_WARNING,
-               "some surfaces come too near for --max-error to hold everywhere; --stats "
-               "counts them");
+               "some surfaces come too near for --max-error to hold everywhere, or need more "
+               "triangles than there is room for (a world of cells: budget=MIB); --stats counts "
+               "them");
     totals->beyond_bound += stats->beyond_bound;
     totals->out_of_domain += stats->out_of_domain;
 }

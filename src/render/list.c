@@ -180,12 +180,40 @@ void ap_draw_list_sort(struct ap_draw_list *list) {
 
 // What the bound costs: a mesh of more triangles made ahead gives way to one made for this frame,
 // which is fine only where it is looked at; and no frame gets more of those than…
-enum { AHEAD_MAX = 2000, REFINED_MAX = 1000000 };
+enum { AHEAD_MAX = 2000, REFINED_MAX = 1000000, REFINED_MOST = 8000000 };
 
-// In a world of cells with a small budget: fewer, at some 60 bytes each for what two frames hold.
+// In a world of cells what its budget has room for, at some 60 bytes each for what two frames hold.
 static size_t refined_max(const struct ap_scene *scene) {
     size_t most = scene->honeycomb ? scene->honeycomb->budget_bytes / 4 / 64 : REFINED_MAX;
-    return most < REFINED_MAX ? most : REFINED_MAX;
+    return most < REFINED_MOST ? most : REFINED_MOST;
+}
+
+// A closed bound that is missed by no more than this may be too careful.
+static const double NEARLY = 3;
+
+// Whether the finest mesh made ahead holds the bound although no closed bound says so.
+static bool holds_after_all(const struct ap_list_params *params, const struct ap_place *place,
+                            struct ap_draw_list *list, const struct ap_draw_item *item) {
+    const struct ap_viewer *viewer = &params->input->viewer;
+    const struct ap_part *part = &params->scene->parts[item->part];
+    const struct ap_shape *shape =
+        &params->meshes->shapes[params->meshes->shape_of_part[item->part]];
+    int level;
+    if (part->kind != AP_PART_SOLID || part->form == AP_FORM_FACETS ||
+        viewer->mode == AP_VIEW_BORN || ap_is_stretched(viewer, place, item->image) ||
+        !ap_choose_level(viewer, params->eyes, part, shape, place, item->image,
+                         NEARLY * params->max_error_px, &level))
+        return false;
+    const struct ap_refine_params judge = {
+        .viewer = viewer,
+        .eyes = params->eyes,
+        .nose_from_part = item->nose_from_part,
+        .image = item->image,
+        .max_error_px = params->max_error_px,
+        .solid = &params->scene->solids[part->solid + shape->levels - 1],
+        .closed = is_closed(item->pipeline),
+        .any_depth = true}; // as closed bounds have it
+    return ap_refine_holds(&list->refiner, &judge, part);
 }
 
 enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,
@@ -197,7 +225,8 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
         &params->meshes->shapes[params->meshes->shape_of_part[item->part]];
     int level;
     bool held = ap_choose_level(viewer, params->eyes, part, shape, place, item->image,
-                                params->max_error_px, &level);
+                                params->max_error_px, &level) ||
+                holds_after_all(params, place, list, item);
     item->mesh = shape->mesh[level];
     size_t used = list->refined.index_count / 3, most = refined_max(params->scene);
     bool fixed = part->kind == AP_PART_SOLID && part->form == AP_FORM_FACETS;

@@ -18,7 +18,7 @@ static const double DEPTH_SHARE = 0.02;
 // How far turned away something must be, and how much more where its normals differ: cosines.
 static const double TURNED_AWAY = 0.01, TURNED_SHARE = 0.25;
 static const uint32_t NOT_CUT = UINT32_MAX;
-enum { AROUND = 8, DEEPEST = 60, NODE_BITS = 24, PART_MAX = 65535, FEW_EDGES = 256 };
+enum { AROUND = 8, DEEPEST = 90, NODE_BITS = 24, PART_MAX = 65535, FEW_EDGES = 256 };
 
 struct ap_refine_node {
     struct ap_surface_point point;
@@ -451,28 +451,53 @@ static void set_inward(struct work *w) {
     }
 }
 
-enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
-                              const struct ap_refine_params *params, const struct ap_part *part,
-                              struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held) {
-    struct work w = {.err = err, .r = r, .params = params, .data = data, .held = true, .st = AP_OK};
-    w.surface =
+static void begin(struct work *w, const struct ap_part *part) {
+    const struct ap_refine_params *params = w->params;
+    struct ap_refiner *r = w->r;
+    w->surface =
         ap_surface_of(params->viewer, params->eyes, part, params->nose_from_part, params->image);
-    w.surface.any_depth = params->any_depth;
-    set_inward(&w);
-    w.faces =
-        params->closed && w.surface.shape != AP_SURFACE_SHEET && w.surface.mode != AP_VIEW_BORN;
-    w.taper =
+    w->surface.any_depth = params->any_depth;
+    set_inward(w);
+    w->faces =
+        params->closed && w->surface.shape != AP_SURFACE_SHEET && w->surface.mode != AP_VIEW_BORN;
+    w->taper =
         part->kind == AP_PART_STICK ? fabs(part->radius2_m - part->radius_m) / part->length_m : 0;
     double rho = params->viewer->space.rho_m;
-    w.shortest = fmin(AP_NEAR_M / 3 / rho, 1e-3);
+    const struct ap_eyes *eyes = params->eyes;
+    double fine = sqrt(params->max_error_px / fmax(eyes->pixels[0], eyes->pixels[1]));
+    w->shortest = fmin(AP_NEAR_M / rho * fmin(8 * fine, 1. / 3), 1e-3);
     double radius = fmax(part->radius_m, part->radius2_m) / rho;
-    if (w.surface.shape != AP_SURFACE_SHEET)
-        w.shortest = fmin(w.shortest, 0.005 * radius);
+    if (w->surface.shape != AP_SURFACE_SHEET)
+        w->shortest = fmin(w->shortest, 0.005 * radius);
     r->node_count = r->edge_count = 0;
     r->part = r->part % PART_MAX + 1;
     if (r->edges && r->part == 1)
         memset(r->edges, 0, r->edge_room * sizeof *r->edges);
     r->edge_space = r->edge_room < FEW_EDGES ? r->edge_room : FEW_EDGES;
+}
+
+bool ap_refine_holds(struct ap_refiner *r, const struct ap_refine_params *params,
+                     const struct ap_part *part) {
+    struct ap_error err;
+    struct work w = {.err = &err, .r = r, .params = params, .held = true, .st = AP_OK};
+    begin(&w, part);
+    begin_solid(&w);
+    while (w.st == AP_OK && w.held && w.stack_count > 0) {
+        struct triangle t = w.stack[--w.stack_count];
+        if (out_of_sight(&w, &t) || turned_away(&w, &t))
+            continue;
+        for (int i = 0; i < 3 && w.held && w.st == AP_OK; i++)
+            w.held = middle_of(&w, t.corner[i], t.corner[(i + 1) % 3]) == NOT_CUT && w.held;
+    }
+    free(w.stack);
+    return w.st == AP_OK && w.held;
+}
+
+enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
+                              const struct ap_refine_params *params, const struct ap_part *part,
+                              struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held) {
+    struct work w = {.err = err, .r = r, .params = params, .data = data, .held = true, .st = AP_OK};
+    begin(&w, part);
     struct ap_mesh made = ap_mesh_data_begin(data);
     if (part->kind == AP_PART_BALL)
         begin_ball(&w);

@@ -13,7 +13,8 @@ struct ap_refine_params {
     const struct ap_eyes *eyes;
     struct ap_iso nose_from_part;
     int image;
-    const struct ap_solid *solid; // of a solid with a form: the coarsest of its meshes made ahead
+    const struct ap_solid *solid; // of a solid with a form: the coarsest of its meshes made ahead,
+                                  // or the one that ap_refine_holds is asked about
     double max_error_px;          // of either eye's picture
     size_t triangles_max;
     bool any_depth; // an error in depth does not show
@@ -30,15 +31,21 @@ struct ap_refiner {
 void ap_refiner_finish(struct ap_refiner *refiner);
 
 // Appends the mesh of a ball, a stick, a polygon or a solid with a form to data. *held: false where
-// triangles_max was reached, or edges of less than a third of AP_NEAR_M (or 1e-3 rho) still miss
-// the bound outside the forbidden millimetre; the mesh is whole all the same. Edges are cut by what
-// their ends are alone, so neighbours share their cuts and nothing gapes. AP_ENVIRONMENT: no
-// memory.
+// triangles_max was reached, or edges of less than a third of AP_NEAR_M (or 1e-3 rho; a
+// twentieth where 0.05 px are asked for) still miss the bound outside the forbidden millimetre; the
+// mesh is whole all the same. Edges are cut by what their ends are alone, so neighbours share their
+// cuts and nothing gapes. AP_ENVIRONMENT: no memory.
 //
 // The bound is on the middle of each edge, tightened by 3/4: inside a triangle a quadratic error is
 // at most 4/3 of its edges' largest. Worst measured over random places: tests/render/test_refine.c.
 enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *refiner,
                               const struct ap_refine_params *params, const struct ap_part *part,
                               struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held);
+
+// Whether a mesh made ahead of a solid with a form holds the bound as it is, by each of its edges
+// that an eye may see: exact where closed bounds (src/render/place.h) are too careful. At most as
+// long as it takes to make such a mesh; false too where memory runs out.
+bool ap_refine_holds(struct ap_refiner *refiner, const struct ap_refine_params *params,
+                     const struct ap_part *part);
 
 #endif
