@@ -19,8 +19,8 @@ layout(std140, set = 0, binding = 0) uniform Frame {
 
 // What a pipeline draws, so that none pays for what the others are made of (software Vulkan goes
 // through both sides of an if): nothing that is made of something; balls; sticks; sheets and solids;
-// what is matte.
-const int NOTHING = 0, BALLS = 1, STICKS = 2, SHEETS = 3, MATTE_ONLY = 4;
+// what is matte; of that what is a plane (part_matte.frag).
+const int NOTHING = 0, BALLS = 1, STICKS = 2, SHEETS = 3, MATTE_ONLY = 4, PLANES = 5;
 layout(constant_id = 0) const int DRAWS = NOTHING;
 
 // Fixed when a pipeline is made, so that no other world's arithmetic is in it: the sign of the
@@ -49,6 +49,7 @@ struct Draw {
     vec4 shape;  // of a ball S and C of its radius; kind; image + 2·way (native-of: 1,
                  // seen the long way round her own s3)
     vec4 finish; // what it is made of; layer of its text, or −1; its form; 1: takes marks
+    vec4 root;   // 1.055·color^(1/2.4)
 };
 
 layout(std430, set = 0, binding = 1) readonly buffer Draws {

@@ -35,6 +35,7 @@ layout(location = 8) flat out int draw;
 layout(location = 9) flat out vec4 lamp_of;
 layout(location = 10) flat out vec4 nose_of;
 layout(location = 11) flat out vec4 shape_of;
+layout(location = 12) flat out vec4 root_of;
 #endif
 
 // A vertex's light: diffuse, gloss.
@@ -98,10 +99,11 @@ void main() {
     place = p;
     face = n;
     draw = gl_InstanceIndex;
-    if (DRAWS == MATTE_ONLY) {
+    if (DRAWS >= MATTE_ONLY) {
         lamp_of = d.lamp;
         nose_of = d.nose;
         shape_of = d.shape;
+        root_of = d.root;
     }
 #endif
 #ifdef GUARD

@@ -4,6 +4,7 @@
 #include "frame.glsl"
 #include "light.glsl"
 #include "finish.glsl"
+#include "coded.glsl"
 
 layout(location = 0) flat in vec4 color;
 layout(location = 6) in vec4 place;
@@ -21,5 +22,5 @@ void main() {
         made = finished(matte, place, face);
     else
         made = finished(surface_of(draw), place, face);
-    result = vec4(made, 1.0);
+    result = written(made);
 }

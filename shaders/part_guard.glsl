@@ -9,6 +9,7 @@
 #include "frame.glsl"
 #include "light.glsl"
 #include "finish.glsl"
+#include "coded.glsl"
 
 layout(location = 0) flat in vec4 color;
 layout(location = 1) in vec2 light;
@@ -69,7 +70,7 @@ void main() {
         }
     }
     if (DRAWS != NOTHING)
-        result = vec4(finished(surface_of(draw), place, face), 1.0);
+        result = written(finished(surface_of(draw), place, face));
     else
-        result = vec4(color.a > 0.5 ? min(color.rgb * light.x + light.y, vec3(1.0)) : color.rgb, 1.0);
+        result = written(color.a > 0.5 ? min(color.rgb * light.x + light.y, vec3(1.0)) : color.rgb);
 }

@@ -30,7 +30,7 @@ enum { AP_DRAW_MESH, AP_DRAW_BALL, AP_DRAW_SHEET };
 // std430
 struct ap_gpu_draw {
     float to[2][16];
-    float lamp[4], nose[4], color[4], shape[4], finish[4];
+    float lamp[4], nose[4], color[4], shape[4], finish[4], root[4];
 };
 
 // std140; shaders/finish.glsl. Shadows of balls, then the mouths of pockets; a sine of 0: none.

@@ -87,7 +87,9 @@ static void count(struct ap_draw_list *list, const struct ap_draw_item *item, un
 enum ap_pipeline_kind ap_pipeline_for(const struct ap_part *part, bool plain) {
     bool closed = part->one_sided || part->kind == AP_PART_BALL || part->kind == AP_PART_STICK;
     if (part->lit && part->finish == AP_FINISH_MATTE && closed && !plain)
-        return AP_PIPELINE_MATTE;
+        return part->kind == AP_PART_BALL ? AP_PIPELINE_MATTE_BALLS
+               : part->form == AP_FORM_PLANE && part->kind == AP_PART_SOLID ? AP_PIPELINE_PLANES
+                                                                            : AP_PIPELINE_MATTE;
     if (part->lit && part->finish != AP_FINISH_PLAIN && !plain)
         return part->kind == AP_PART_BALL    ? AP_PIPELINE_BALLS
                : part->kind == AP_PART_STICK ? AP_PIPELINE_STICKS
@@ -99,15 +101,20 @@ static bool is_guarded(enum ap_pipeline_kind pipeline) {
     return pipeline >= AP_PIPELINE_GUARD && pipeline < AP_PIPELINE_GUARD_END;
 }
 
+static bool is_matte(enum ap_pipeline_kind pipeline) {
+    return pipeline == AP_PIPELINE_MATTE_BALLS || pipeline == AP_PIPELINE_MATTE ||
+           pipeline == AP_PIPELINE_PLANES;
+}
+
 static bool is_closed(enum ap_pipeline_kind pipeline) {
     return is_guarded(pipeline)
                ? (pipeline - AP_PIPELINE_GUARD) & AP_GUARD_CLOSED
-               : pipeline == AP_PIPELINE_CLOSED || pipeline == AP_PIPELINE_MATTE ||
+               : pipeline == AP_PIPELINE_CLOSED || is_matte(pipeline) ||
                      pipeline == AP_PIPELINE_BALLS || pipeline == AP_PIPELINE_STICKS;
 }
 
 enum ap_pipeline_kind ap_pipeline_looked_at(enum ap_pipeline_kind pipeline, bool one_sided) {
-    unsigned draws = pipeline == AP_PIPELINE_MATTE    ? AP_GUARD_MATTE
+    unsigned draws = is_matte(pipeline)               ? AP_GUARD_MATTE
                      : pipeline == AP_PIPELINE_BALLS  ? AP_GUARD_BALLS
                      : pipeline == AP_PIPELINE_STICKS ? AP_GUARD_STICKS
                      : pipeline == AP_PIPELINE_SHEETS ? AP_GUARD_SHEETS
@@ -453,8 +460,10 @@ static void write_item(const struct ap_scene *scene, const struct ap_frame_input
     for (int i = 0; i < 3; i++) {
         float own = palette->own[i], back = palette->back[i];
         draw->color[i] = item->brightness < 1 ? back + item->brightness * (own - back) : own;
+        draw->root[i] = 1.055f * powf(fmaxf(draw->color[i], 0), 1 / 2.4f);
     }
     draw->color[3] = part->lit ? 1 : 0;
+    draw->root[3] = 0;
     double t = part->radius_m / space.rho_m;
     draw->shape[0] = (float)ap_space_sin(space, t);
     draw->shape[1] = (float)ap_space_cos(space, t);

@@ -13,6 +13,7 @@
 #include "shaders/part_finish.vert.spv.h"
 #include "shaders/part_guard.frag.spv.h"
 #include "shaders/part_guard.vert.spv.h"
+#include "shaders/part_matte.frag.spv.h"
 #include "shaders/part_single.vert.spv.h"
 #include "shaders/part_single_finish.vert.spv.h"
 #include "shaders/part_single_guard.vert.spv.h"
@@ -105,9 +106,22 @@ enum ap_status ap_pass_framebuffer(struct ap_error *err, const struct ap_gpu *gp
                        "vkCreateFramebuffer");
 }
 
+static enum ap_status create_read_view(struct ap_error *err, const struct ap_gpu *gpu,
+                                       struct ap_pass *pass) {
+    VkImageViewCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .image = pass->color.image,
+        .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+        .format = pass->params.coded ? VK_FORMAT_R32_UINT : pass->params.color_format,
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, pass->params.views}};
+    return ap_vk_check(err, vkCreateImageView(gpu->device, &info, NULL, &pass->read),
+                       "vkCreateImageView");
+}
+
 static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *gpu,
                                     const struct ap_pass_params *params, struct ap_pass *pass) {
     VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                              .flags = params->coded ? VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT : 0,
                               .imageType = VK_IMAGE_TYPE_2D,
                               .format = params->color_format,
                               .extent = {params->width, params->height, 1},
@@ -120,8 +134,11 @@ static enum ap_status create_images(struct ap_error *err, const struct ap_gpu *g
     if (!params->straight)
         st = ap_gpu_image_create(err, gpu, &info, VK_IMAGE_VIEW_TYPE_2D_ARRAY,
                                  VK_IMAGE_ASPECT_COLOR_BIT, &pass->color);
+    if (st == AP_OK && !params->straight)
+        st = create_read_view(err, gpu, pass);
     if (st != AP_OK)
         return st;
+    info.flags = 0;
     info.format = DEPTH_FORMAT;
     info.usage =
         VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
@@ -149,7 +166,8 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
     static const struct {
         bool closed;
         int shaders, draws; // draws: DRAWS of shaders/finish.glsl
-    } KIND[] = {[AP_PIPELINE_CLOSED] = {.closed = true}, [AP_PIPELINE_MATTE] = {true, 2, 4},
+    } KIND[] = {[AP_PIPELINE_CLOSED] = {.closed = true}, [AP_PIPELINE_MATTE_BALLS] = {true, 2, 4},
+                [AP_PIPELINE_MATTE] = {true, 5, 4},      [AP_PIPELINE_PLANES] = {true, 5, 5},
                 [AP_PIPELINE_BALLS] = {true, 2, 1},      [AP_PIPELINE_STICKS] = {true, 2, 2},
                 [AP_PIPELINE_SHEETS] = {false, 2, 3},    [AP_PIPELINE_DISC] = {.shaders = 3}};
     const struct ap_pass_params *params = &pass->params;
@@ -160,7 +178,7 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
     struct ap_pipeline_params pipeline = {
         .vertex = pass->shader[2 * set],
         .fragment = pass->shader[2 * set + 1],
-        .constant = {draws, world.kappa, world.mode, world.born_kappa},
+        .constant = {draws, world.kappa, world.mode, world.born_kappa, params->coded},
         .input = &input,
         .width = params->width,
         .height = params->height,
@@ -187,7 +205,9 @@ static enum ap_status create_shaders(struct ap_error *err, const struct ap_gpu *
                                    {disc_single_vert, sizeof disc_single_vert},
                                    {disc_frag, sizeof disc_frag},
                                    {part_single_guard_vert, sizeof part_single_guard_vert},
-                                   {part_exact_frag, sizeof part_exact_frag}},
+                                   {part_exact_frag, sizeof part_exact_frag},
+                                   {part_single_finish_vert, sizeof part_single_finish_vert},
+                                   {part_matte_frag, sizeof part_matte_frag}},
                                   {{part_vert, sizeof part_vert},
                                    {part_frag, sizeof part_frag},
                                    {part_guard_vert, sizeof part_guard_vert},
@@ -197,7 +217,9 @@ static enum ap_status create_shaders(struct ap_error *err, const struct ap_gpu *
                                    {disc_vert, sizeof disc_vert},
                                    {disc_frag, sizeof disc_frag},
                                    {part_guard_vert, sizeof part_guard_vert},
-                                   {part_exact_frag, sizeof part_exact_frag}}};
+                                   {part_exact_frag, sizeof part_exact_frag},
+                                   {part_finish_vert, sizeof part_finish_vert},
+                                   {part_matte_frag, sizeof part_matte_frag}}};
     enum ap_status st = AP_OK;
     for (int i = 0; st == AP_OK && i < AP_PASS_SHADERS; i++)
         st = ap_gpu_shader(err, gpu, code[pass->views - 1][i].words, code[pass->views - 1][i].bytes,
@@ -247,6 +269,7 @@ void ap_pass_destroy(const struct ap_gpu *gpu, struct ap_pass *pass) {
             vkDestroyPipeline(gpu->device, pass->pipeline[w][k], NULL);
     vkDestroyFramebuffer(gpu->device, pass->framebuffer, NULL);
     vkDestroyRenderPass(gpu->device, pass->render_pass, NULL);
+    vkDestroyImageView(gpu->device, pass->read, NULL);
     ap_gpu_image_destroy(gpu, &pass->color);
     ap_gpu_image_destroy(gpu, &pass->depth);
     memset(pass, 0, sizeof *pass);

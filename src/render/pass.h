@@ -7,10 +7,12 @@
 // eye at a time (views 1) or both at once with multiview (views 2).
 
 enum ap_pipeline_kind {
-    AP_PIPELINE_CLOSED,   // back faces are not seen
-    AP_PIPELINE_TWOSIDED, // polygons, and solids that somebody else made
-    AP_PIPELINE_MATTE,    // closed; light at every fragment, and nothing else
-    AP_PIPELINE_BALLS,    // light and material at every fragment: closed, closed, two-sided
+    AP_PIPELINE_CLOSED,      // back faces are not seen
+    AP_PIPELINE_TWOSIDED,    // polygons, and solids that somebody else made
+    AP_PIPELINE_MATTE_BALLS, // closed; light at every fragment, and nothing else
+    AP_PIPELINE_MATTE,
+    AP_PIPELINE_PLANES, // matte, of one normal
+    AP_PIPELINE_BALLS,  // light and material at every fragment: closed, closed, two-sided
     AP_PIPELINE_STICKS,
     AP_PIPELINE_SHEETS, // and solids
     AP_PIPELINE_GUARD,  // every fragment is looked at; and so many as AP_GUARD_… after it
@@ -38,12 +40,13 @@ struct ap_world {
     int born_kappa;  // native-of
 };
 
-enum { AP_PASS_SHADERS = 10 };
+enum { AP_PASS_SHADERS = 12 };
 
 struct ap_pass_params {
     VkFormat color_format;
     uint32_t width, height, views;
     VkSampleCountFlagBits samples;
+    bool coded;    // the image holds sRGB codes as plain numbers, written and read by the shaders
     bool straight; // into somebody else's image, in which it stays: none of its own
     VkPipelineLayout layout;
 };
@@ -54,7 +57,8 @@ struct ap_pass {
     VkRenderPass render_pass;  // colour, which is read afterwards, and depth
     VkFramebuffer framebuffer; // straight: none
     struct ap_gpu_image color, depth;
-    VkShaderModule shader[AP_PASS_SHADERS];                 // vertex and fragment in turn
+    VkImageView read;                       // of what is read afterwards: as color.view, or coded
+    VkShaderModule shader[AP_PASS_SHADERS]; // vertex and fragment in turn
     VkPipeline pipeline[AP_WORLD_COUNT][AP_PIPELINE_COUNT]; // made when they are first needed
 };
 

@@ -33,6 +33,7 @@ struct ap_renderer {
     VkSampleCountFlagBits samples;
     uint32_t across; // pixels that are drawn for one of the target's, to each side
     bool straight;   // drawn into the target itself: one sample a pixel, eye by eye
+    bool coded;      // drawn as sRGB codes, not as linear light (shaders/coded.glsl)
     struct ap_meshes meshes;
     struct ap_draw_list list;
     struct ap_decals decals;
@@ -74,6 +75,15 @@ static bool has_samples(const struct ap_gpu *gpu, uint32_t n) {
     return limits->framebufferColorSampleCounts & limits->framebufferDepthSampleCounts & n;
 }
 
+// Discs are blended, in linear light: by an image that is of that.
+static bool blends(const struct ap_scene *scene) {
+    for (size_t i = 0; i < scene->part_count; i++)
+        if (scene->parts[i].kind == AP_PART_BALL && !scene->parts[i].lit &&
+            scene->parts[i].carrier != AP_CARRIER_CELL)
+            return true;
+    return false;
+}
+
 // Samples of each pixel of the images that are drawn into, and how many of those there are across
 // one of the target's: what the device does not have is made of larger images. 4 are always there.
 static enum ap_status choose_samples(struct ap_error *err, struct ap_renderer *r) {
@@ -97,6 +107,7 @@ static enum ap_status choose_samples(struct ap_error *err, struct ap_renderer *r
     r->samples = (VkSampleCountFlagBits)wanted;
     r->across = across;
     r->straight = r->params.samples == 1 && !r->multiview;
+    r->coded = larger && !blends(r->scene);
     return AP_OK;
 }
 
@@ -238,8 +249,9 @@ static enum ap_status create_parts(struct ap_error *err, struct ap_renderer *r) 
         st = create_times(err, r);
     if (st == AP_OK)
         st = create_layouts(err, r);
-    struct ap_resolve_params resolve = {r->params.color_format, r->params.width, r->params.height,
-                                        (int32_t)r->samples, (int32_t)r->across};
+    struct ap_resolve_params resolve = {r->params.color_format, r->params.width,
+                                        r->params.height,       (int32_t)r->samples,
+                                        (int32_t)r->across,     r->coded};
     if (st == AP_OK)
         st = ap_resolve_create(err, r->gpu, &resolve, &r->resolve);
     if (st == AP_OK)
@@ -409,7 +421,7 @@ static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
     VkClearValue clear[2] = {0}; // depth is reversed: 0 is far
     const double *back = r->scene->background_srgb;
     for (int i = 0; i < 3; i++)
-        clear[0].color.float32[i] = ap_linear_color(back[i]);
+        clear[0].color.float32[i] = r->coded ? (float)back[i] : ap_linear_color(back[i]);
     clear[0].color.float32[3] = 1;
     VkRenderPassBeginInfo begin = {
         .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
@@ -429,18 +441,19 @@ static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
 
 static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r,
                                 const struct ap_viewer *viewer, bool both) {
-    struct ap_pass_params params = {r->params.color_format,
+    struct ap_pass_params params = {r->coded ? VK_FORMAT_R8G8B8A8_UNORM : r->params.color_format,
                                     r->across * r->params.width,
                                     r->across * r->params.height,
                                     both ? 2 : 1,
                                     r->samples,
+                                    r->coded,
                                     r->straight,
                                     r->layout};
     enum ap_status st = AP_OK;
     if (!r->pass[both].render_pass) {
         st = ap_pass_create(err, r->gpu, &params, &r->pass[both]);
         if (st == AP_OK && !r->straight)
-            ap_resolve_read(r->gpu, &r->resolve, both, r->pass[both].color.view);
+            ap_resolve_read(r->gpu, &r->resolve, both, r->pass[both].read);
     }
     const struct ap_world world = {viewer->space.kappa, (int)viewer->mode,
                                    ap_viewer_born(viewer).kappa};

@@ -4,6 +4,7 @@
 
 #include "shaders/resolve.frag.spv.h"
 #include "shaders/resolve.vert.spv.h"
+#include "shaders/resolve_coded.frag.spv.h"
 #include "shaders/resolve_one.frag.spv.h"
 #include "src/render/pipeline.h"
 
@@ -104,8 +105,10 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
     enum ap_status st = ap_gpu_shader(err, gpu, resolve_vert, sizeof resolve_vert, &vertex);
     bool one = r->samples == 1;
     if (st == AP_OK)
-        st = ap_gpu_shader(err, gpu, one ? resolve_one_frag : resolve_frag,
-                           one ? sizeof resolve_one_frag : sizeof resolve_frag, &fragment);
+        st = r->coded
+                 ? ap_gpu_shader(err, gpu, resolve_coded_frag, sizeof resolve_coded_frag, &fragment)
+                 : ap_gpu_shader(err, gpu, one ? resolve_one_frag : resolve_frag,
+                                 one ? sizeof resolve_one_frag : sizeof resolve_frag, &fragment);
     if (st == AP_OK) {
         struct ap_pipeline_params params = {.vertex = vertex,
                                             .fragment = fragment,
@@ -129,7 +132,8 @@ enum ap_status ap_resolve_create(struct ap_error *err, const struct ap_gpu *gpu,
     struct ap_resolve made = {.width = params->width,
                               .height = params->height,
                               .samples = params->samples,
-                              .across = params->across};
+                              .across = params->across,
+                              .coded = params->coded};
     enum ap_status st = create_render_pass(err, gpu, params->color_format, &made.render_pass);
     if (st == AP_OK)
         st = create_layouts(err, gpu, &made);

@@ -16,6 +16,7 @@ struct ap_resolve {
     VkDescriptorSet set[2]; // by what is read: the image of one eye, or of both
     uint32_t width, height;
     int32_t samples, across;
+    bool coded;
 };
 
 struct ap_resolve_params {
@@ -23,6 +24,7 @@ struct ap_resolve_params {
     uint32_t width, height; // of the target
     int32_t samples,
         across; // of a pixel that is read; such pixels to each side of one of the target's
+    bool coded; // what is read are sRGB codes, as R32_UINT
 };
 enum ap_status ap_resolve_create(struct ap_error *err, const struct ap_gpu *gpu,
                                  const struct ap_resolve_params *params,
