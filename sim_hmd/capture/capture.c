@@ -146,7 +146,7 @@ static enum ap_status write_picture(struct ap_error *err, const struct sim_captu
         return ap_fail(err, AP_ENVIRONMENT, "out of memory");
     enum ap_status st = c->settings->capture_raw
                             ? ap_pam_write_pixels(err, path, pixels, flags & AP_PNG_LINEAR)
-                            : ap_png_write_pixels_as(err, path, pixels, flags);
+                            : ap_png_write_pixels(err, path, pixels, flags);
     free(path);
     return st;
 }

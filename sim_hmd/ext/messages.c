@@ -95,8 +95,7 @@ static void hear(enum ap_log_level level, const char *text) {
     static const XrDebugUtilsMessageSeverityFlagsEXT severities[] = {
         [AP_LOG_ERROR] = XR_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
         [AP_LOG_WARNING] = XR_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT,
-        [AP_LOG_INFO] = XR_DEBUG_UTILS_MESSAGE_SEVERITY_INFO_BIT_EXT,
-        [AP_LOG_DEBUG] = XR_DEBUG_UTILS_MESSAGE_SEVERITY_VERBOSE_BIT_EXT};
+        [AP_LOG_INFO] = XR_DEBUG_UTILS_MESSAGE_SEVERITY_INFO_BIT_EXT};
     sim_message(severities[level], XR_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT, "antipode-sim", "",
                 text);
 }

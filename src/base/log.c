@@ -4,12 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static enum ap_log_level max_level = AP_LOG_INFO;
 static const char *prefix = "antipode";
-
-void ap_log_set_level(enum ap_log_level level) {
-    max_level = level;
-}
 
 void ap_log_set_prefix(const char *p) {
     prefix = p;
@@ -22,9 +17,7 @@ void ap_log_set_listener(void (*l)(enum ap_log_level level, const char *text)) {
 }
 
 void ap_log(enum ap_log_level level, const char *format, ...) {
-    static const char *const names[] = {"error: ", "warning: ", "", "debug: "};
-    if (level > max_level)
-        return;
+    static const char *const names[] = {"error: ", "warning: ", ""};
     char line[AP_ERROR_TEXT_MAX + 64];
     int n = snprintf(line, sizeof line - 1, "%s: %s", prefix, names[level]);
     if (n < 0)

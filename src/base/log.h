@@ -5,14 +5,11 @@
 
 // Messages for people, a line each on standard error: "antipode: warning: …". Any thread; a line is
 // written whole. The runtime library, which lives in somebody else's process, sets its own prefix.
-enum ap_log_level { AP_LOG_ERROR, AP_LOG_WARNING, AP_LOG_INFO, AP_LOG_DEBUG };
+enum ap_log_level { AP_LOG_ERROR, AP_LOG_WARNING, AP_LOG_INFO };
 
 void ap_log(enum ap_log_level level, const char *format, ...) AP_PRINTF(2, 3);
 
-// Messages above this level are dropped (default AP_LOG_INFO). Call before other threads start.
-void ap_log_set_level(enum ap_log_level level);
-
-// Hears every line that is not dropped, without prefix and level, after it was written; in the
+// Hears every line, without prefix and level, after it was written; in the
 // thread that logs, whatever that holds. NULL: nobody. Any thread.
 void ap_log_set_listener(void (*listener)(enum ap_log_level level, const char *text));
 

@@ -32,14 +32,12 @@ struct ap_pixels {
     size_t stride;
     bool bgra;
 };
-enum ap_status ap_png_write_pixels(struct ap_error *err, const char *path,
-                                   const struct ap_pixels *pixels);
 
-// The same with more of it: the fourth byte as alpha, as it is; a note (gAMA) that the bytes are
-// linear light and not sRGB.
+// Flags: the fourth byte as alpha, as it is; a note (gAMA) that the bytes are linear light and not
+// sRGB.
 enum { AP_PNG_ALPHA = 1, AP_PNG_LINEAR = 2 };
-enum ap_status ap_png_write_pixels_as(struct ap_error *err, const char *path,
-                                      const struct ap_pixels *pixels, unsigned flags);
+enum ap_status ap_png_write_pixels(struct ap_error *err, const char *path,
+                                   const struct ap_pixels *pixels, unsigned flags);
 
 enum ap_status ap_png_read(struct ap_error *err, const char *path, struct ap_image *image);
 

@@ -139,12 +139,7 @@ enum ap_status ap_png_write(struct ap_error *err, const char *path, const struct
 }
 
 enum ap_status ap_png_write_pixels(struct ap_error *err, const char *path,
-                                   const struct ap_pixels *pixels) {
-    return ap_png_write_pixels_as(err, path, pixels, 0);
-}
-
-enum ap_status ap_png_write_pixels_as(struct ap_error *err, const char *path,
-                                      const struct ap_pixels *pixels, unsigned flags) {
+                                   const struct ap_pixels *pixels, unsigned flags) {
     enum ap_status st = check_size(err, path, pixels->width, pixels->height);
     if (st)
         return st;

@@ -1,32 +1,13 @@
 #ifndef ANTIPODE_TESTS_GAME_STAGE_H
 #define ANTIPODE_TESTS_GAME_STAGE_H
 
-// cmocka wants these first.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/check_near.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "src/game/physics.h"
-
-// Each check prints both values and the tolerance where it fails. NaN fails.
-#define check_near(got, expected, tolerance)                                                       \
-    check_near_at(__FILE__, __LINE__, #got, got, expected, tolerance)
-
-static inline void check_near_at(const char *file, int line, const char *what, double got,
-                                 double expected, double tolerance) {
-    if (fabs(got - expected) <= tolerance)
-        return;
-    print_error("%s:%d: %s is %.17g, expected %.17g within %.3g (off by %.3g)\n", file, line, what,
-                got, expected, tolerance, got - expected);
-    _fail(file, line);
-}
 
 // Every friction off, everything elastic.
 static inline struct ap_physics_params frictionless(void) {

@@ -1,33 +1,15 @@
 #ifndef ANTIPODE_TESTS_GEOM_CHECK_H
 #define ANTIPODE_TESTS_GEOM_CHECK_H
 
-// Included by every test of the folder, after nothing else: cmocka wants these first.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+// Included by every test of the folder, after nothing else.
+#include "tests/check_near.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "src/geom/isometry.h"
 #include "src/geom/map.h"
 #include "tests/geom/reference.h"
-
-// Each check prints both values and the tolerance where it fails. NaN fails.
-#define check_near(got, expected, tolerance)                                                       \
-    check_near_at(__FILE__, __LINE__, #got, got, expected, tolerance)
-
-static inline void check_near_at(const char *file, int line, const char *what, double got,
-                                 double expected, double tolerance) {
-    if (fabs(got - expected) <= tolerance)
-        return;
-    print_error("%s:%d: %s is %.17g, expected %.17g within %.3g (off by %.3g)\n", file, line, what,
-                got, expected, tolerance, got - expected);
-    _fail(file, line);
-}
 
 static inline double largest_entry(const struct ap_iso *m) {
     double largest = 0;

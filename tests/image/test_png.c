@@ -68,7 +68,7 @@ static void from_pixels(void **state) {
     for (int bgra = 0; bgra < 2; bgra++) {
         struct ap_pixels pixels = {bytes, W, H, STRIDE, bgra != 0};
         struct ap_image in;
-        assert_int_equal(ap_png_write_pixels(NULL, at("p.png"), &pixels), AP_OK);
+        assert_int_equal(ap_png_write_pixels(NULL, at("p.png"), &pixels, 0), AP_OK);
         assert_int_equal(ap_png_read(NULL, at("p.png"), &in), AP_OK);
         for (int y = 0; y < H; y++)
             for (int x = 0; x < W; x++)
@@ -78,9 +78,9 @@ static void from_pixels(void **state) {
         ap_image_finish(&in);
     }
     struct ap_pixels bad = {bytes, W, H, 4 * W - 1, false};
-    assert_int_equal(ap_png_write_pixels(NULL, at("q.png"), &bad), AP_INPUT);
+    assert_int_equal(ap_png_write_pixels(NULL, at("q.png"), &bad, 0), AP_INPUT);
     bad.width = 0;
-    assert_int_equal(ap_png_write_pixels(NULL, at("q.png"), &bad), AP_INPUT);
+    assert_int_equal(ap_png_write_pixels(NULL, at("q.png"), &bad, 0), AP_INPUT);
     assert_false(ap_file_exists(at("q.png")));
 }
 

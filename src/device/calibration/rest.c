@@ -104,10 +104,6 @@ bool ap_rest_add(struct ap_rest *r, int64_t t_ns, struct ap_vec3 gyr, struct ap_
     return true;
 }
 
-double ap_rest_seconds(const struct ap_rest *r) {
-    return 1e-9 * (double)QUARTER_NS * r->held.quarters;
-}
-
 // Solves the symmetric positive 3×3 system by Cholesky's decomposition.
 static struct ap_vec3 solve(double a[3][3], struct ap_vec3 b) {
     double l[3][3] = {{0}}, y[3], x[3], right[3] = {b.x, b.y, b.z};

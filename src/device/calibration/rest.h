@@ -50,9 +50,6 @@ struct ap_rest_result {
 bool ap_rest_add(struct ap_rest *rest, int64_t t_ns, struct ap_vec3 gyr_rad_s,
                  struct ap_vec3 acc_m_s2);
 
-// How long it has lain still up to now.
-double ap_rest_seconds(const struct ap_rest *rest);
-
 // From all the rests so far. The accelerometer's bias is the smallest one that makes every rest's
 // force 9.80665 m/s²: from one pose only its part along up is known, from four or more that differ
 // all of it. A bias over 5 °/s or 1 m/s² is refused. AP_INPUT: no rest of two seconds; the sentence

@@ -29,7 +29,7 @@ int main(int argc, char **argv) {
     size_t len = strlen(argv[1]);
     enum ap_status st = len > 4 && strcmp(argv[1] + len - 4, ".pam") == 0
                             ? ap_pam_write_pixels(&err, argv[1], &pixels, false)
-                            : ap_png_write_pixels(&err, argv[1], &pixels);
+                            : ap_png_write_pixels(&err, argv[1], &pixels, 0);
     if (st)
         fprintf(stderr, "%s\n", err.text);
     free(rgba);

@@ -1,9 +1,5 @@
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "tests/check_near.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,13 +28,6 @@ static int remove_dir(void **state) {
     snprintf(command, sizeof command, "rm -rf %s", dir);
     return system(command);
 }
-
-static void check_near_at(int line, const char *what, double got, double want, double tolerance) {
-    if (!(fabs(got - want) <= tolerance))
-        fail_msg("line %d: %s is %.17g, expected %.17g within %.3g", line, what, got, want,
-                 tolerance);
-}
-#define check_near(got, want, tolerance) check_near_at(__LINE__, #got, got, want, tolerance)
 
 struct stage {
     struct ap_scene *scene;
