@@ -171,10 +171,10 @@ static void print_stats(const struct ap_replay *replay) {
         (double)t->draws / views, (double)t->back_draws / views, (double)t->culled / views,
         (double)t->turned_away / views, (double)t->back_hidden / views,
         (double)t->triangles / views, (double)t->vertices / views);
-    printf("a frame, on average: %.1f parts with triangles of their own, %.2f beyond --max-error, "
-           "%.2f out of domain\n",
-           2 * (double)t->refined / views, 2 * (double)t->beyond_bound / views,
-           2 * (double)t->out_of_domain / views);
+    printf("a frame, on average: %.1f parts with triangles of their own (%.0f of those left out: "
+           "out of sight or turned away), %.2f beyond --max-error, %.2f out of domain\n",
+           2 * (double)t->refined / views, 2 * (double)t->unseen_facets / views,
+           2 * (double)t->beyond_bound / views, 2 * (double)t->out_of_domain / views);
     printf("drawing, ms a frame: placing, culling and refining %.2f, recording %.2f, submitting "
            "%.2f; the GPU %.2f\n",
            2 * t->place_ms / views, 2 * t->record_ms / views, 2 * t->submit_ms / views,

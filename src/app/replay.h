@@ -27,6 +27,7 @@ struct ap_replay_totals {
     double wait_ms, track_ms, draw_ms, end_ms, run_ms;
     uint64_t draws, culled, turned_away, back_hidden, back_draws, triangles, vertices;
     uint64_t refined, beyond_bound, out_of_domain; // parts·images (struct ap_frame_stats)
+    uint64_t unseen_facets;                        // triangles
     double place_ms, record_ms, submit_ms, gpu_ms; // of draw_ms but the last
     struct {
         uint64_t visited, cone, walls, size, budget;

@@ -157,6 +157,7 @@ static void count_views(struct ap_replay_totals *totals, const struct ap_frame_s
         totals->vertices += s->vertices;
     }
     totals->refined += stats->refined;
+    totals->unseen_facets += stats->unseen_facets;
     if (stats->beyond_bound > 0 && totals->beyond_bound == 0)
         ap_log(AP_LOG_WARNING,
                "some surfaces come too near for --max-error to hold everywhere, or need more "

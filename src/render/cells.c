@@ -86,6 +86,8 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct frame *f,
     int chosen;
     struct ap_place whole = *place;
     whole.nose_from_part = cell->nose_from_cell;
+    whole.reach_m = cell->far_m - cell->distance_m;
+    whole.anywhere = true;
     if (!near_cell && *level == UNKNOWN)
         *level = ap_choose_level(f->viewer, f->eyes, part, shape, &whole, item->image,
                                  f->what->max_error_px, &chosen)
@@ -179,8 +181,10 @@ static enum ap_status add(struct ap_error *err, const struct frame *f,
         item.eyes = ap_sides_see_ball(&f->sides, space, centre, reach_m, cell->image);
     item.eyes &= cell->eyes;
     item.eyes &= ~f->input->closed_eyes;
-    struct ap_place place = {
-        .nose_from_part = item.nose_from_part, .near_m = cell->near_m, .far_m = cell->far_m};
+    struct ap_place place = {.nose_from_part = item.nose_from_part,
+                             .near_m = cell->near_m,
+                             .far_m = cell->far_m,
+                             .reach_m = reach_m};
     bool near_cell = cell->near_m < 2 * (cell->far_m - cell->near_m) || space.kappa > 0;
     if (near_cell && item.eyes) {
         double d = ap_vec3_length(ap_log_unchecked(space, centre, 0));

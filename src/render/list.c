@@ -255,11 +255,14 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
         .solid = part->kind == AP_PART_SOLID ? &params->scene->solids[part->solid] : NULL,
         .closed = is_closed(item->pipeline),
         .any_depth = stretched || part->apart,
+        .keep_unseen = params->no_cull,
         .triangles_max = most - used};
+    uint32_t unseen = 0;
     item->refined = true;
     list->stats.refined++;
-    enum ap_status st =
-        ap_refine_part(err, &list->refiner, &refine, part, &list->refined, &item->mesh, &held);
+    enum ap_status st = ap_refine_part(err, &list->refiner, &refine, part, &list->refined,
+                                       &item->mesh, &held, &unseen);
+    list->stats.unseen_facets += unseen;
     list->stats.beyond_bound += st == AP_OK && !held;
     return st;
 }

@@ -127,6 +127,10 @@ static double angle_between(struct ap_vec3 a, struct ap_vec3 b) {
     return atan2(ap_vec3_length(ap_vec3_cross(a, b)), ap_vec3_dot(a, b));
 }
 
+static double circumradius(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 c) {
+    return angle_between(ap_vec3_normalize(ap_vec3_cross(ap_vec3_sub(b, a), ap_vec3_sub(c, a))), a);
+}
+
 // The largest circumradius of a face's facets.
 static double largest_facet(const struct ap_vec3 corner[3], int n) {
     double largest = 0;
@@ -134,16 +138,16 @@ static double largest_facet(const struct ap_vec3 corner[3], int n) {
         for (int j = 0; j < n - i; j++) {
             struct ap_vec3 a = sphere_point(corner, i, j, n), b = sphere_point(corner, i + 1, j, n),
                            c = sphere_point(corner, i, j + 1, n);
-            struct ap_vec3 m =
-                ap_vec3_normalize(ap_vec3_cross(ap_vec3_sub(b, a), ap_vec3_sub(c, a)));
-            largest = fmax(largest, angle_between(m, a));
+            largest = fmax(largest, circumradius(a, b, c));
+            if (j < n - i - 1) // the one that points the other way is the larger
+                largest = fmax(largest, circumradius(b, sphere_point(corner, i + 1, j + 1, n), c));
         }
     return largest;
 }
 
-enum ap_status ap_mesh_sphere(struct ap_error *err, int level, struct ap_mesh_data *data,
+enum ap_status ap_mesh_sphere(struct ap_error *err, int steps, struct ap_mesh_data *data,
                               struct ap_mesh *mesh, double *facet_rad) {
-    int n = 1 << level;
+    int n = steps;
     size_t per_face = (size_t)(n + 1) * (size_t)(n + 2) / 2;
     enum ap_status st = reserve(err, data, 20 * per_face, (size_t)60 * (size_t)n * (size_t)n);
     if (st != AP_OK)

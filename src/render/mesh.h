@@ -41,9 +41,9 @@ struct ap_vec3 ap_icosahedron_corner(int i);
 void ap_icosahedron_face(int f, int corner[3]);
 
 // A sphere of unit vectors, shared by all balls: position = (u, 0), normal = (u, 0); the vertex
-// shader makes (S·u, C) of it. 20·4^level triangles; a facet's corners lie within *facet_rad of its
-// centre.
-enum ap_status ap_mesh_sphere(struct ap_error *err, int level, struct ap_mesh_data *data,
+// shader makes (S·u, C) of it. An icosahedron's faces with `steps` an edge: 20·steps² triangles; a
+// facet's corners lie within *facet_rad of its centre.
+enum ap_status ap_mesh_sphere(struct ap_error *err, int steps, struct ap_mesh_data *data,
                               struct ap_mesh *mesh, double *facet_rad);
 
 // A tube about the geodesic segment along z, `around` corners in each ring, rings *step_m apart,

@@ -7,7 +7,7 @@
 #include "src/geom/table.h"
 
 static const double PI = 3.14159265358979323846;
-static const int BALL_LEVELS = 7;
+static const int BALL_STEPS[] = {1, 2, 3, 4, 5, 6, 8, 11, 16, 24, 40, 64};
 static const int STICK_AROUND[] = {5, 6, 8, 12, 16, 24, 32, 64};
 static const int POLYGON_DIVISION[] = {1, 2, 4, 8, 16, 32, 64};
 static const int POLYGON_TRIANGLES_MAX = 20480; // a level with more is left out
@@ -80,9 +80,9 @@ static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *sce
     memset(shape, 0, sizeof *shape);
     switch (part->kind) {
     case AP_PART_BALL:
-        for (int k = 0; st == AP_OK && k < BALL_LEVELS; k++)
-            st = ap_mesh_sphere(err, k, data, &shape->mesh[k], &shape->grain[k]);
-        shape->levels = BALL_LEVELS;
+        for (size_t k = 0; st == AP_OK && k < sizeof BALL_STEPS / sizeof *BALL_STEPS; k++)
+            st = ap_mesh_sphere(err, BALL_STEPS[k], data, &shape->mesh[k], &shape->grain[k]);
+        shape->levels = sizeof BALL_STEPS / sizeof *BALL_STEPS;
         return st;
     case AP_PART_STICK:
         for (size_t k = 0; st == AP_OK && k < sizeof STICK_AROUND / sizeof *STICK_AROUND; k++) {

@@ -60,7 +60,8 @@ struct ap_place ap_place_part(const struct ap_place_params *params, const struct
     const struct ap_viewer *viewer = params->viewer;
     struct ap_space space = viewer->space;
     struct ap_place place = {.nose_from_part = ap_iso_mul(params->nose_from_carrier[part->carrier],
-                                                          part->carrier_from_part)};
+                                                          part->carrier_from_part),
+                             .reach_m = reach_m};
     struct ap_vec4 base = {0, 0, 0, space.rho_m};
     struct ap_vec4 centre = ap_iso_apply(&place.nose_from_part, base);
     struct ap_iso part_from_nose = ap_iso_inverse(space, place.nose_from_part);
@@ -140,41 +141,86 @@ bool ap_clear_of_eyes(const struct ap_viewer *viewer, const struct ap_eyes *eyes
            (viewer->space.kappa <= 0 || place->far_m <= PI * viewer->space.rho_m - eye);
 }
 
+// The largest angle between `ahead` and anything of the part as the nose sees it; PI where nothing
+// better is known.
+static double off_axis(struct ap_space space, const struct ap_part *part,
+                       const struct ap_place *place, int image, struct ap_vec3 ahead) {
+    struct ap_vec4 points[CORNERS_MAX] = {{0, 0, 0, space.rho_m}};
+    double radius_m = place->reach_m, rho = space.rho_m, worst = 0;
+    // Corners that lie in a circle narrower than a hemisphere have all that is between them in it.
+    bool cornered = !place->anywhere && (part->kind == AP_PART_STICK ||
+                                         (part->kind == AP_PART_POLYGON && part->sides <= 8));
+    int count = cornered ? hull(space, part, place->reach_m, points, &radius_m) : 1;
+    double lo = INFINITY, hi = 0;
+    for (int i = 0; i < count; i++) {
+        struct ap_vec4 p = ap_iso_apply(&place->nose_from_part, points[i]);
+        struct ap_vec3 u = ap_vec3_normalize((struct ap_vec3){p.x, p.y, p.z});
+        double off = acos(fmin(fmax(ap_vec3_dot(u, ahead), -1), 1));
+        double d = ap_vec3_length(ap_log_unchecked(space, p, 0)) / rho;
+        worst = fmax(worst, image ? PI - off : off);
+        lo = fmin(lo, d);
+        hi = fmax(hi, d);
+    }
+    // The axis of a stick comes nearer than its ends do.
+    double r = radius_m / rho;
+    if (count > 1)
+        lo = fmin(lo, place->near_m / rho + r);
+    if (count > 1 && space.kappa > 0)
+        hi = fmax(hi, place->far_m / rho - r);
+    if (!(r < lo) || (space.kappa > 0 && !(r + hi < PI)))
+        return PI;
+    double away = ap_space_sin(space, lo);
+    if (space.kappa > 0)
+        away = fmin(away, sin(hi));
+    worst += asin(fmin(ap_space_sin(space, r) / away, 1));
+    return worst;
+}
+
+// The least S, over rho, by which lengths across the line of sight are divided to be angles, for
+// what lies near_m…far_m from the nose and is seen from beside it.
+static double least_sine(const struct ap_viewer *viewer, const struct ap_eyes *eyes, double near_m,
+                         double far_m) {
+    struct ap_space space = viewer->space;
+    double rho = space.rho_m, reach = eyes->reach_m;
+    double s = ap_space_sin(space, fmax(near_m - reach, 0) / rho);
+    if (space.kappa <= 0)
+        return s;
+    s = fmin(s, ap_space_sin(space, (far_m + reach) / rho));
+    // Native: tangent space widens what is there, and the eye is so much nearer to it.
+    double widened = fmin(ap_space_sin(space, near_m / rho), ap_space_sin(space, far_m / rho));
+    return fmin(s, widened * (1 - fmin(reach / near_m, 1)));
+}
+
 // Pixels a radian, at most, anywhere that the part is seen: off the axis angles are stretched.
 static double pixels_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
-                        const struct ap_place *place) {
-    double d = place->near_m, most = 0;
-    struct ap_vec4 base = {0, 0, 0, viewer->space.rho_m};
-    struct ap_vec4 c = ap_iso_apply(&place->nose_from_part, base);
-    struct ap_vec3 u = ap_vec3_normalize((struct ap_vec3){c.x, c.y, c.z});
-    // The half-angle from the nose of a ball that holds the part (in h3 less), and how far an eye's
-    // direction differs from the nose's.
-    double middle = ap_vec3_length(ap_log_unchecked(viewer->space, c, 0));
-    double reach = place->far_m - middle, half = reach < middle ? asin(reach / middle) : PI;
-    bool whole = viewer->space.kappa > 0;
+                        const struct ap_part *part, const struct ap_place *place, int image) {
+    double rho = viewer->space.rho_m, most = 0;
+    double d = image ? 2 * PI * rho - place->far_m : place->near_m;
+    // How far an eye's direction differs from the nose's.
     double aside = eyes->reach_m < d ? asin(eyes->reach_m / d) : PI;
+    if (viewer->mode == AP_VIEW_TOURIST) {
+        double s = least_sine(viewer, eyes, place->near_m, place->far_m);
+        double beside = ap_space_sin(viewer->space, eyes->reach_m / rho);
+        aside = beside < s ? asin(beside / s) : PI;
+    }
     for (int e = 0; e < 2; e++) {
         struct ap_vec3 ahead =
             ap_quat_rotate(viewer->eye[e].view_from_eye.q, (struct ap_vec3){0, 0, -1});
-        double off = acos(fmin(fmax(ap_vec3_dot(u, ahead), -1), 1)) + half + aside;
+        double off = off_axis(viewer->space, part, place, image, ahead) + aside;
         double corner = atan(eyes->slope[e]);
-        double slope = tan(whole || !(off < corner) ? corner : off);
+        double slope = tan(!(off < corner) ? corner : off);
         most = fmax(most, eyes->pixels[e] * (1 + slope * slope));
     }
     return most;
 }
 
-// How far inside a round outline of radius r_m its facets fall, radians: seen at distance d_m,
-// the middle of a facet lies at the distance m from the axis with tan m = tan r · cos grain (tanh
-// in h3).
+// How far inside a round outline of radius r_m its facets fall, radians, where its middle or its
+// axis is near_m…far_m away: the middle of a facet lies at the distance m from the axis with
+// tan m = tan r · cos grain (tanh in h3).
 static double outline_error(const struct ap_viewer *viewer, const struct ap_eyes *eyes, double r_m,
-                            double d_m, double grain, double step_m) {
+                            double near_m, double far_m, double grain, double step_m) {
     struct ap_space space = viewer->space;
-    double rho = space.rho_m, reach = eyes->reach_m;
-    double r = r_m / rho, far = (d_m + reach) / rho, near = fmax(d_m - reach, 0) / rho;
-    double s = ap_space_sin(space, near);
-    if (space.kappa > 0)
-        s = fmin(s, ap_space_sin(space, far));
+    double rho = space.rho_m, r = r_m / rho, s = least_sine(viewer, eyes, near_m, far_m);
     double sr = ap_space_sin(space, r), a = sr / s;
     if (!(s > 0) || !(a < 0.95))
         return INFINITY;
@@ -249,10 +295,11 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
     double grain = shape->grain[level], step = shape->step_m[level];
     switch (part->kind) {
     case AP_PART_BALL:
-        return outline_error(viewer, eyes, part->radius_m, centre, grain, 0) < max_rad &&
+        return outline_error(viewer, eyes, part->radius_m, centre, centre, grain, 0) < max_rad &&
                2 * part->radius_m * grain < longest;
     case AP_PART_STICK:
-        return outline_error(viewer, eyes, radius, place->near_m + radius, grain, step) +
+        return outline_error(viewer, eyes, radius, place->near_m + radius, place->far_m - radius,
+                             grain, step) +
                        edge_error(viewer, eyes, place, image, step, false) <
                    max_rad &&
                fmax(step, 2 * radius * grain) < longest;
@@ -265,7 +312,8 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
     case AP_PART_SOLID:
         if (shape->levels < 2 || (grain == 0 && step == 0)) // it is what its mesh says
             return true;
-        return (radius > 0 ? outline_error(viewer, eyes, radius, place->near_m + radius, grain,
+        return (radius > 0 ? outline_error(viewer, eyes, radius, place->near_m + radius,
+                                           place->far_m - radius, grain,
                                            part->form == AP_FORM_TUBE ? step : 0)
                            : 0) +
                        edge_error(viewer, eyes, place, image, step, false) <
@@ -278,7 +326,7 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
 bool ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                      const struct ap_part *part, const struct ap_shape *shape,
                      const struct ap_place *place, int image, double max_error_px, int *level) {
-    double max_rad = max_error_px / pixels_of(viewer, eyes, place);
+    double max_rad = max_error_px / pixels_of(viewer, eyes, part, place, image);
     *level = shape->levels - 1;
     if (viewer->mode == AP_VIEW_BORN)
         return false; // these bounds are not made for her space

@@ -10,6 +10,8 @@
 struct ap_place {
     struct ap_iso nose_from_part;
     double near_m, far_m; // every point's distance from the nose lies between (conservative)
+    double reach_m;       // every point's distance from its place is at most so much
+    bool anywhere;        // within that it may be anywhere, turned in any way
     unsigned eyes[2];     // for image 0 and 1: bit e, eye e may see it
     unsigned behind;      // that would see it in image 1 if nothing stood before it
 };

@@ -5,20 +5,24 @@
 #include <string.h>
 
 #include "src/geom/table.h"
-#include "src/render/refine_surface.h"
+#include "src/render/refine_stick.h"
 
 static const double PI = 3.14159265358979323846;
 static const double SHARE = 0.75; // of the bound: what an edge's middle may use up
-// What lies outside a plane of a frustum by so much of the triangle's longest edge cannot bulge
-// into the picture.
-static const double BULGE = 0.6;
 // How far an edge's middle may be from its distance, of that distance: part_guard.glsl drops what
 // is 5 % off.
 static const double DEPTH_SHARE = 0.02;
 // How far turned away something must be, and how much more where its normals differ: cosines.
 static const double TURNED_AWAY = 0.01, TURNED_SHARE = 0.25;
 static const uint32_t NOT_CUT = UINT32_MAX;
-enum { AROUND = 8, DEEPEST = 90, NODE_BITS = 24, PART_MAX = 65535, FEW_EDGES = 256 };
+enum {
+    AROUND = 8,
+    DEEPEST = 90,
+    NODE_BITS = 24,
+    PART_MAX = 65535,
+    FEW_EDGES = 256,
+    GRID_MAX = 50000
+};
 
 struct ap_refine_node {
     struct ap_surface_point point;
@@ -42,11 +46,11 @@ struct work {
     struct ap_mesh_data *data;
     struct triangle *stack;
     size_t stack_count, stack_space, triangles;
-    struct ap_vec3 inward[2][4]; // unit normals of the eyes' frusta, in their axes
-    bool faces;                  // nodes know which way the surface is turned
-    double taper;                // of a stick: its normals are those of a straight one
-    bool cut_all;                // edges are cut unasked
+    bool faces;   // nodes know which way the surface is turned
+    double taper; // of a stick: its normals are those of a straight one
+    bool cut_all; // edges are cut unasked
     bool held;
+    uint32_t unseen; // triangles that are left out
     enum ap_status st;
 };
 
@@ -183,9 +187,11 @@ static bool close_enough(const struct work *w, const struct ap_surface_point *a,
     double bound = SHARE * w->params->max_error_px;
     if (too_long(w, a, b, m) || !(ap_surface_error_px(s, eyes, a, b, m) <= bound))
         return false;
-    if (s->shape != AP_SURFACE_TUBE)
-        return true;
     // What runs around an axis as well as along it is seen as an S, whose middle says nothing.
+    bool along = fabs(a->along - b->along) > 1e-9,
+         around = ap_vec3_dot(a->from, b->from) < 1 - 1e-12;
+    if (s->shape != AP_SURFACE_TUBE || !along || !around)
+        return true;
     struct ap_surface_point first = ap_surface_middle(s, a, m), last = ap_surface_middle(s, m, b);
     return ap_surface_error_px(s, eyes, a, b, &first) <= bound &&
            ap_surface_error_px(s, eyes, a, b, &last) <= bound;
@@ -223,40 +229,11 @@ static uint32_t middle_of(struct work *w, uint32_t i, uint32_t j) {
 
 // --- triangles
 
-static struct ap_vec3 place_from(const struct work *w, const struct ap_surface_point *p, int e) {
-    return w->surface.mode == AP_VIEW_TOURIST ? p->toward[e] : p->seen[e];
-}
-
-// Outside one of a frustum's planes, even where the surface bulges, for each eye. Native: metres;
-// tourist: directions.
 static bool out_of_sight(const struct work *w, const struct triangle *t) {
     const struct ap_surface_point *p[3];
-    bool tourist = w->surface.mode == AP_VIEW_TOURIST;
-    if (w->surface.mode == AP_VIEW_BORN)
-        return false;
     for (int i = 0; i < 3; i++)
         p[i] = &w->r->nodes[t->corner[i]].point;
-    double reach = tourist ? 0.5 : w->surface.space.rho_m / 2;
-    for (int e = 0; e < 2; e++) {
-        struct ap_vec3 at[3];
-        double longest = 0;
-        for (int i = 0; i < 3; i++)
-            at[i] = place_from(w, p[i], e);
-        for (int i = 0; i < 3; i++)
-            longest = fmax(longest, length(ap_vec3_sub(at[i], at[(i + 1) % 3])));
-        if (longest > reach)
-            return false;
-        bool out = false;
-        for (int k = 0; k < 4 && !out; k++) {
-            struct ap_vec3 n = w->inward[e][k];
-            double limit = -BULGE * longest;
-            out = ap_vec3_dot(n, at[0]) < limit && ap_vec3_dot(n, at[1]) < limit &&
-                  ap_vec3_dot(n, at[2]) < limit;
-        }
-        if (!out)
-            return false;
-    }
-    return true;
+    return ap_surface_out_of_sight(&w->surface, p);
 }
 
 // In the curved space, where normals of different places cannot be compared: by those at the
@@ -338,6 +315,10 @@ static void refine_all(struct work *w) {
         else if (!out_of_sight(w, &t) && !turned_away(w, &t))
             for (int i = 0; i < 3; i++)
                 m[i] = middle_of(w, t.corner[i], t.corner[(i + 1) % 3]);
+        else if (!w->params->keep_unseen) {
+            w->unseen++;
+            continue;
+        }
         if (m[0] == NOT_CUT && m[1] == NOT_CUT && m[2] == NOT_CUT)
             emit(w, &t);
         else
@@ -375,22 +356,65 @@ static void begin_ball(struct work *w) {
     w->cut_all = false;
 }
 
+// A ring of nodes at one place along the axis; up: of a right angle, out of the cross-section.
+struct ring {
+    uint32_t first;
+    uint32_t count; // 1: the pole
+};
+
+static struct ring add_ring(struct work *w, double along, double up, uint32_t count) {
+    struct ring ring = {(uint32_t)w->r->node_count, count};
+    double c = fabs(up) < 1 ? cos(PI / 2 * up) : 0, s = sin(PI / 2 * up);
+    for (uint32_t i = 0; i < count; i++) {
+        double turn = 2 * PI * i / count;
+        node_at(w, along, (struct ap_vec3){c * cos(turn), c * sin(turn), s});
+    }
+    return ring;
+}
+
+// The band between two rings, the second farther along: corners by their order around the axis.
+static void push_band(struct work *w, struct ring a, struct ring b) {
+    uint32_t i = 0, j = 0, of_a = a.count > 1 ? a.count : 0, of_b = b.count > 1 ? b.count : 0;
+    while (i < of_a || j < of_b) {
+        uint32_t p = a.first + i % a.count, q = b.first + j % b.count;
+        // Which of the next corners comes first; a pole has none.
+        bool next_a =
+            j == of_b || (i < of_a && (uint64_t)(i + 1) * b.count <= (uint64_t)(j + 1) * a.count);
+        if (next_a)
+            push(w, 0, p, a.first + ++i % a.count, q);
+        else
+            push(w, 0, p, b.first + ++j % b.count, q);
+    }
+}
+
+// A round cap in bands as wide as the body's corners are apart; fewer corners toward the pole.
+static void push_cap(struct work *w, double along, int end, struct ring last) {
+    uint32_t around = last.count, bands = (around + 3) / 4;
+    for (uint32_t k = 1; k <= bands; k++) {
+        double up = (double)k / bands, part = cos(PI / 2 * up);
+        uint32_t count = k == bands ? 1 : (uint32_t)fmax(ceil(part * around), 3);
+        struct ring ring = add_ring(w, along, end * up, count);
+        if (end < 0)
+            push_band(w, ring, last);
+        else
+            push_band(w, last, ring);
+        last = ring;
+    }
+}
+
 static void begin_stick(struct work *w) {
     double half = w->surface.part->length_m / w->surface.space.rho_m / 2;
-    static const double UP[6] = {-1, -0.5, 0, 0, 0.5, 1}; // of a right angle
-    for (int ring = 0; ring < 6; ring++)
-        for (int i = 0; i <= AROUND; i++) {
-            double turn = 2 * PI * (i % AROUND) / AROUND, up = PI / 2 * UP[ring];
-            double c = fabs(UP[ring]) < 1 ? cos(up) : 0;
-            node_at(w, ring < 3 ? -half : half,
-                    (struct ap_vec3){c * cos(turn), c * sin(turn), sin(up)});
-        }
-    for (uint32_t ring = 0; ring < 5; ring++)
-        for (uint32_t i = 0; i < AROUND; i++) {
-            uint32_t a = ring * (AROUND + 1) + i, b = a + AROUND + 1;
-            push(w, 0, a, a + 1, b + 1);
-            push(w, 0, a, b + 1, b);
-        }
+    struct ap_stick_grid grid = {.along = {-half, half}, .rings = 2, .around = AROUND};
+    if (w->params->triangles_max > GRID_MAX)
+        grid = ap_stick_grid_of(&w->surface, w->params->eyes, SHARE * w->params->max_error_px);
+    struct ring last = add_ring(w, -half, 0, (uint32_t)grid.around);
+    push_cap(w, -half, -1, last);
+    for (int i = 1; i < grid.rings && w->st == AP_OK; i++) {
+        struct ring next = add_ring(w, grid.along[i], 0, (uint32_t)grid.around);
+        push_band(w, last, next);
+        last = next;
+    }
+    push_cap(w, half, 1, last);
 }
 
 static void begin_polygon(struct work *w) {
@@ -441,23 +465,12 @@ static void write_nodes(struct work *w) {
     }
 }
 
-static void set_inward(struct work *w) {
-    for (int e = 0; e < 2; e++) {
-        const struct ap_frustum *f = &w->params->viewer->eye[e].frustum;
-        const struct ap_vec3 plane[4] = {
-            {1, 0, f->left}, {-1, 0, -f->right}, {0, 1, f->down}, {0, -1, -f->up}};
-        for (int k = 0; k < 4; k++)
-            w->inward[e][k] = ap_vec3_normalize(plane[k]);
-    }
-}
-
 static void begin(struct work *w, const struct ap_part *part) {
     const struct ap_refine_params *params = w->params;
     struct ap_refiner *r = w->r;
     w->surface =
         ap_surface_of(params->viewer, params->eyes, part, params->nose_from_part, params->image);
     w->surface.any_depth = params->any_depth;
-    set_inward(w);
     w->faces =
         params->closed && w->surface.shape != AP_SURFACE_SHEET && w->surface.mode != AP_VIEW_BORN;
     w->taper =
@@ -495,7 +508,8 @@ bool ap_refine_holds(struct ap_refiner *r, const struct ap_refine_params *params
 
 enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
                               const struct ap_refine_params *params, const struct ap_part *part,
-                              struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held) {
+                              struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held,
+                              uint32_t *unseen) {
     struct work w = {.err = err, .r = r, .params = params, .data = data, .held = true, .st = AP_OK};
     begin(&w, part);
     struct ap_mesh made = ap_mesh_data_begin(data);
@@ -516,6 +530,7 @@ enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
         ap_mesh_data_end(data, &made);
         *mesh = made;
         *held = w.held;
+        *unseen = w.unseen;
     }
     return w.st;
 }

@@ -18,7 +18,11 @@ struct ap_refine_params {
     double max_error_px;          // of either eye's picture
     size_t triangles_max;
     bool any_depth; // an error in depth does not show
-    bool closed;    // back faces are not drawn: they need not be fine
+    bool closed;    // back faces are not drawn: they need not be there
+    // Triangles that no eye sees are made all the same, coarse; else they are left out and counted
+    // in *unseen: those wholly outside one side of both pictures, and of what is closed those that
+    // are turned away from both eyes (native view).
+    bool keep_unseen;
 };
 
 // Nodes and the memory of which edges were cut, kept from part to part.
@@ -40,7 +44,8 @@ void ap_refiner_finish(struct ap_refiner *refiner);
 // at most 4/3 of its edges' largest. Worst measured over random places: tests/render/test_refine.c.
 enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *refiner,
                               const struct ap_refine_params *params, const struct ap_part *part,
-                              struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held);
+                              struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held,
+                              uint32_t *unseen);
 
 // Whether a mesh made ahead of a solid with a form holds the bound as it is, by each of its edges
 // that an eye may see: exact where closed bounds (src/render/place.h) are too careful. At most as

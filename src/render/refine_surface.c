@@ -41,6 +41,11 @@ struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_
         s.eye_from_view[e] = ap_iso_from_pose((struct ap_space){0, 1},
                                               ap_pose_inverse(viewer->eye[e].view_from_eye));
         s.eye_m[e] = viewer->eye[e].view_from_eye.p;
+        const struct ap_frustum *f = &viewer->eye[e].frustum;
+        const struct ap_vec3 side[4] = {
+            {1, 0, f->left}, {-1, 0, -f->right}, {0, 1, f->down}, {0, -1, -f->up}};
+        for (int k = 0; k < 4; k++)
+            s.inward[e][k] = ap_vec3_normalize(side[k]);
     }
     return s;
 }
@@ -57,7 +62,7 @@ static double stick_radius(const struct ap_surface *s, double at) {
 static void radius_at(const struct ap_surface *s, double along, double *sine, double *cosine) {
     *sine = s->sine;
     *cosine = s->cosine;
-    if (s->part->kind != AP_PART_STICK)
+    if (s->part->kind != AP_PART_STICK || s->part->radius_m == s->part->radius2_m)
         return;
     double r = stick_radius(s, along);
     *sine = ap_space_sin(s->space, r);
@@ -299,4 +304,41 @@ double ap_surface_error_px(const struct ap_surface *s, const struct ap_eyes *eye
         worst = square <= worst ? worst : square; // what is no number is the worst
     }
     return sqrt(worst);
+}
+
+// What lies outside a plane of a frustum by so much of the longest edge cannot bulge into the
+// picture.
+static const double BULGE = 0.6;
+
+static struct ap_vec3 place_from(const struct ap_surface *s, const struct ap_surface_point *p,
+                                 int e) {
+    return s->mode == AP_VIEW_TOURIST ? p->toward[e] : p->seen[e];
+}
+
+// Native: metres; tourist: directions.
+bool ap_surface_out_of_sight(const struct ap_surface *s,
+                             const struct ap_surface_point *const p[3]) {
+    double reach = s->mode == AP_VIEW_TOURIST ? 0.5 : s->space.rho_m / 2;
+    if (s->mode == AP_VIEW_BORN)
+        return false;
+    for (int e = 0; e < 2; e++) {
+        struct ap_vec3 at[3];
+        double longest = 0;
+        for (int i = 0; i < 3; i++)
+            at[i] = place_from(s, p[i], e);
+        for (int i = 0; i < 3; i++)
+            longest = fmax(longest, length(ap_vec3_sub(at[i], at[(i + 1) % 3])));
+        if (longest > reach)
+            return false;
+        bool out = false;
+        for (int k = 0; k < 4 && !out; k++) {
+            struct ap_vec3 n = s->inward[e][k];
+            double limit = -BULGE * longest;
+            out = ap_vec3_dot(n, at[0]) < limit && ap_vec3_dot(n, at[1]) < limit &&
+                  ap_vec3_dot(n, at[2]) < limit;
+        }
+        if (!out)
+            return false;
+    }
+    return true;
 }

@@ -36,6 +36,7 @@ struct ap_surface {
     struct ap_iso eye_from_part[2]; // tourist; AP_VIEW_BORN: of the nose in the space of her birth
     struct ap_iso eye_from_view[2]; // native; the upper rows
     struct ap_vec3 eye_m[2];        // native: where the eyes are, relative to the nose
+    struct ap_vec3 inward[2][4]; // unit normals of the sides of the eyes' pictures, in their axes
 };
 
 struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
@@ -69,5 +70,10 @@ struct ap_vec4 ap_surface_normal(const struct ap_surface *surface,
 double ap_surface_error_px(const struct ap_surface *surface, const struct ap_eyes *eyes,
                            const struct ap_surface_point *a, const struct ap_surface_point *b,
                            const struct ap_surface_point *m);
+
+// Whether three points, and what the surface bulges between them, lie outside one side of the
+// picture, for each eye. False in native-of view, and where they are far apart.
+bool ap_surface_out_of_sight(const struct ap_surface *surface,
+                             const struct ap_surface_point *const points[3]);
 
 #endif

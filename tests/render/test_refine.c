@@ -147,7 +147,9 @@ static void one_place(struct ap_refiner *refiner, int kappa, enum ap_part_kind k
     struct ap_mesh mesh;
     struct ap_error err;
     bool held;
-    assert_int_equal(ap_refine_part(&err, refiner, &params, &part, &data, &mesh, &held), AP_OK);
+    uint32_t unseen;
+    assert_int_equal(ap_refine_part(&err, refiner, &params, &part, &data, &mesh, &held, &unseen),
+                     AP_OK);
     tally->places++;
     tally->held += held;
     tally->triangles += (long)mesh.index_count / 3;
