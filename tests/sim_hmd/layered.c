@@ -95,7 +95,8 @@ void layered_draw(struct painter *p, struct screen *s, int frame) {
     vkCmdCopyBufferToImage(cmd, p->buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
     painter_turn(cmd, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                  VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    painter_end(p, cmd);
+    painter_submit(p, cmd);
+    vkQueueWaitIdle(p->queue); // the buffer is written again
     XR_OK(xrReleaseSwapchainImage(s->swapchain, NULL));
 }
 

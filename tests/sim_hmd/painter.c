@@ -54,12 +54,11 @@ VkCommandBuffer painter_begin(struct painter *p) {
     return cmd;
 }
 
-void painter_end(struct painter *p, VkCommandBuffer cmd) {
+void painter_submit(struct painter *p, VkCommandBuffer cmd) {
     vkEndCommandBuffer(cmd);
     VkSubmitInfo submit = {
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &cmd};
     assert_int_equal(vkQueueSubmit(p->queue, 1, &submit, VK_NULL_HANDLE), VK_SUCCESS);
-    vkQueueWaitIdle(p->queue); // the buffer is written again
 }
 
 void painter_turn(VkCommandBuffer cmd, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,

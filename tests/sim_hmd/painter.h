@@ -21,9 +21,9 @@ void painter_stop(struct painter *p);
 // The image that a swapchain gives next, acquired and waited for.
 VkImage painter_acquire(XrSwapchain swapchain);
 
-// A command buffer that is begun; and done with, when this returns.
+// A command buffer that is begun; painter_submit ends and submits it, and waits for nothing.
 VkCommandBuffer painter_begin(struct painter *p);
-void painter_end(struct painter *p, VkCommandBuffer cmd);
+void painter_submit(struct painter *p, VkCommandBuffer cmd);
 
 // All layers of an image into another layout.
 void painter_turn(VkCommandBuffer cmd, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,

@@ -1,4 +1,4 @@
-#include "tests/sim_hmd/client.h"
+#include "tests/sim_hmd/painter.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,7 +11,7 @@
 
 enum { W = 64, H = 48 };
 
-static void start(struct client *c, const char *more) {
+static void set(const char *more) {
     char json[1024];
     snprintf(json, sizeof json,
              "{\"clock\": \"virtual\", %s \"headset\": {\"name\": \"tiny\", \"refresh_hz\": 90, "
@@ -21,6 +21,10 @@ static void start(struct client *c, const char *more) {
              "0.8, \"up\": 0.7, \"down\": -0.7}, \"yaw_rad\": 0}}}}",
              more, W, H, W, H);
     client_settings(json);
+}
+
+static void start(struct client *c, const char *more) {
+    set(more);
     client_start(c);
 }
 
@@ -147,75 +151,24 @@ static uint8_t texel(int x, int y, int layer, int channel) {
     return (uint8_t)v[channel];
 }
 
-struct upload {
-    VkBuffer buffer;
-    VkDeviceMemory memory;
-    VkCommandPool pool;
-    VkQueue queue;
-};
-
-static void make_upload(struct client *c, struct upload *u) {
-    VkBufferCreateInfo b = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                            .size = 2 * W * H * 4,
-                            .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
-    assert_int_equal(vkCreateBuffer(c->device, &b, NULL, &u->buffer), VK_SUCCESS);
-    VkMemoryRequirements needs;
-    vkGetBufferMemoryRequirements(c->device, u->buffer, &needs);
-    VkMemoryAllocateInfo a = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                              .allocationSize = needs.size}; // type 0: host visible on lavapipe
-    assert_int_equal(vkAllocateMemory(c->device, &a, NULL, &u->memory), VK_SUCCESS);
-    assert_int_equal(vkBindBufferMemory(c->device, u->buffer, u->memory, 0), VK_SUCCESS);
-    uint8_t *p;
-    assert_int_equal(vkMapMemory(c->device, u->memory, 0, VK_WHOLE_SIZE, 0, (void **)&p),
-                     VK_SUCCESS);
+static void fill(uint8_t *p) {
     for (int layer = 0; layer < 2; layer++)
         for (int y = 0; y < H; y++)
             for (int x = 0; x < W; x++)
                 for (int k = 0; k < 4; k++)
                     *p++ = texel(x, y, layer, k);
-    vkUnmapMemory(c->device, u->memory);
-    VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    assert_int_equal(vkCreateCommandPool(c->device, &pool, NULL, &u->pool), VK_SUCCESS);
-    vkGetDeviceQueue(c->device, 0, 0, &u->queue);
 }
 
-static void free_upload(struct client *c, struct upload *u) {
-    vkDestroyCommandPool(c->device, u->pool, NULL);
-    vkDestroyBuffer(c->device, u->buffer, NULL);
-    vkFreeMemory(c->device, u->memory, NULL);
-}
-
-static void barrier(VkCommandBuffer cmd, VkImage image, VkImageLayout from, VkImageLayout to) {
-    VkImageMemoryBarrier b = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
-                              .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
-                              .dstAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
-                              .oldLayout = from,
-                              .newLayout = to,
-                              .image = image,
-                              .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 2}};
-    vkCmdPipelineBarrier(cmd, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
-                         VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, NULL, 0, NULL, 1, &b);
-}
-
-static void draw(struct client *c, struct upload *u, VkImage image) {
-    VkCommandBufferAllocateInfo a = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                     .commandPool = u->pool,
-                                     .commandBufferCount = 1};
-    VkCommandBuffer cmd;
-    assert_int_equal(vkAllocateCommandBuffers(c->device, &a, &cmd), VK_SUCCESS);
-    VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    vkBeginCommandBuffer(cmd, &begin);
-    barrier(cmd, image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-            VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+static void draw(struct painter *p, VkImage image) {
+    VkCommandBuffer cmd = painter_begin(p);
+    painter_turn(cmd, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkBufferImageCopy copy = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 2},
                               .imageExtent = {W, H, 1}};
-    vkCmdCopyBufferToImage(cmd, u->buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
-    barrier(cmd, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-            VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    vkEndCommandBuffer(cmd);
-    VkSubmitInfo submit = {
-        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &cmd};
-    assert_int_equal(vkQueueSubmit(u->queue, 1, &submit, VK_NULL_HANDLE), VK_SUCCESS);
+    vkCmdCopyBufferToImage(cmd, p->buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+    painter_turn(cmd, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                 VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    painter_submit(p, cmd);
 }
 
 struct layer {
@@ -279,37 +232,31 @@ static uint32_t next_image(XrSwapchain s) {
 
 static void a_picture_at_the_display_is_captured_bit_for_bit(void **state) {
     (void)state;
-    struct client c = {0};
+    struct painter p;
+    struct client *c = &p.c;
     char capture[256];
     snprintf(capture, sizeof capture, "\"capture\": {\"dir\": \"%s/cap\", \"frames\": \"1:2\"},",
              client_folder());
-    start(&c, capture);
-    struct upload u;
-    make_upload(&c, &u);
+    set(capture);
+    painter_start(&p, 2 * W * H * 4);
+    fill(p.mapped);
     XrSwapchainCreateInfo i = colour_info();
     XrSwapchain s;
-    XR_OK(xrCreateSwapchain(c.session, &i, &s));
-    XrSwapchainImageVulkanKHR images[3] = {{.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR},
-                                           {.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR},
-                                           {.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR}};
-    uint32_t count;
-    XR_OK(xrEnumerateSwapchainImages(s, 3, &count, (XrSwapchainImageBaseHeader *)images));
+    XR_OK(xrCreateSwapchain(c->session, &i, &s));
     struct layer l;
     for (int k = 0; k < 3; k++) {
-        XrFrameState f = client_wait(&c);
+        XrFrameState f = client_wait(c);
         assert_int_equal(f.shouldRender, k == 1);
-        client_begin(&c);
-        uint32_t index = next_image(s);
+        client_begin(c);
+        VkImage image = painter_acquire(s);
         if (k == 1)
-            draw(&c, &u, images[index].image);
+            draw(&p, image);
         XR_OK(xrReleaseSwapchainImage(s, NULL));
-        make_layer(&c, s, f.predictedDisplayTime, &l);
-        XR_OK(xrEndFrame(c.session, &l.end));
+        make_layer(c, s, f.predictedDisplayTime, &l);
+        XR_OK(xrEndFrame(c->session, &l.end));
     }
     XR_OK(xrDestroySwapchain(s)); // while the session runs: its images are collected later
-    vkDeviceWaitIdle(c.device);
-    free_upload(&c, &u);
-    client_stop(&c);
+    painter_stop(&p);
     check_picture("000001-left.png", 0);
     check_picture("000001-right.png", 1);
 }

@@ -154,7 +154,7 @@ static void clear(struct painter *p, XrSwapchain swapchain, const float rgba[4])
     vkCmdClearColorImage(cmd, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &colour, 1, &all);
     painter_turn(cmd, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                  VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    painter_end(p, cmd);
+    painter_submit(p, cmd);
     XR_OK(xrReleaseSwapchainImage(swapchain, NULL));
 }
 

@@ -62,7 +62,8 @@ static XrSwapchain painted(struct painter *p, const XrSwapchainCreateInfo *info,
     painter_turn(cmd, image, aspect, layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     vkCmdCopyBufferToImage(cmd, p->buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
     painter_turn(cmd, image, aspect, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, layout);
-    painter_end(p, cmd);
+    painter_submit(p, cmd);
+    vkQueueWaitIdle(p->queue); // the buffer is written again
     XR_OK(xrReleaseSwapchainImage(swapchain, NULL));
     return swapchain;
 }
