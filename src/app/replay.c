@@ -172,9 +172,11 @@ static void print_stats(const struct ap_replay *replay) {
         (double)t->turned_away / views, (double)t->back_hidden / views,
         (double)t->triangles / views, (double)t->vertices / views);
     printf("a frame, on average: %.1f parts with triangles of their own (%.0f of those left out: "
-           "out of sight or turned away), %.2f beyond --max-error, %.2f out of domain\n",
+           "out of sight or turned away), %.2f beyond --max-error (%.2f of them for the budget), "
+           "%.2f out of domain\n",
            2 * (double)t->refined / views, 2 * (double)t->unseen_facets / views,
-           2 * (double)t->beyond_bound / views, 2 * (double)t->out_of_domain / views);
+           2 * (double)t->beyond_bound / views, 2 * (double)t->over_budget / views,
+           2 * (double)t->out_of_domain / views);
     printf("drawing, ms a frame: placing, culling and refining %.2f, recording %.2f, submitting "
            "%.2f; the GPU %.2f\n",
            2 * t->place_ms / views, 2 * t->record_ms / views, 2 * t->submit_ms / views,
@@ -186,6 +188,8 @@ static void print_stats(const struct ap_replay *replay) {
                (double)t->cells.visited / frames, (double)t->cells.cone / frames,
                (double)t->cells.walls / frames, (double)t->cells.size / frames,
                (double)t->cells.budget / frames, (long long)replay->room.cells_crossed);
+    printf("memory: at most %.2f MiB of meshes, lists and cells, of a budget of %.3g MiB\n",
+           (double)t->held_bytes / 1048576, (double)ap_scene_budget(replay->room.scene) / 1048576);
     printf("time: %.1f ms in all; wait %.1f, track %.1f, draw %.1f, end %.1f\n", t->run_ms,
            t->wait_ms, t->track_ms, t->draw_ms, t->end_ms);
 }

@@ -26,9 +26,11 @@ struct ap_replay_totals {
     int64_t stepped, drawn;
     double wait_ms, track_ms, draw_ms, end_ms, run_ms;
     uint64_t draws, culled, turned_away, back_hidden, back_draws, triangles, vertices;
-    uint64_t refined, beyond_bound, out_of_domain; // parts·images (struct ap_frame_stats)
+    uint64_t refined, beyond_bound, over_budget; // parts·images (struct ap_frame_stats)
+    uint64_t out_of_domain;
     uint64_t unseen_facets;                        // triangles
     double place_ms, record_ms, submit_ms, gpu_ms; // of draw_ms but the last
+    size_t held_bytes;                             // at the most
     struct {
         uint64_t visited, cone, walls, size, budget;
     } cells; // of a world of cells

@@ -33,7 +33,8 @@ enum ap_status ap_replay_tables_open(struct ap_error *err, struct ap_replay *rep
           t->frames.stream);
     fputs("frame,eye,fov_left_rad,fov_right_rad,fov_up_rad,fov_down_rad,draws,culled,back_draws,"
           "triangles,vertices,cells,cells_out_of_view,cells_too_small,cells_over_budget,"
-          "cells_behind_walls,turned_away,back_hidden\n",
+          "cells_behind_walls,turned_away,back_hidden,refined,beyond_bound,over_budget,"
+          "out_of_domain\n",
           t->views.stream);
     fputs("frame,wait_ms,track_ms,draw_ms,end_ms,place_ms,record_ms,submit_ms,gpu_ms\n",
           t->timing.stream);
@@ -89,10 +90,11 @@ void ap_replay_write_view_rows(struct ap_replay *replay, int64_t frame,
         const double fov[] = {v->left_rad, v->right_rad, v->up_rad, v->down_rad};
         fprintf(out, "%lld,%s", (long long)frame, eye ? "right" : "left");
         write_numbers(out, fov, 4);
-        fprintf(out, ",%u,%u,%u,%llu,%llu,%u,%u,%u,%u,%u,%u,%u\n", s->draws, s->culled,
+        fprintf(out, ",%u,%u,%u,%llu,%llu,%u,%u,%u,%u,%u,%u,%u,%u,%u,%u,%u\n", s->draws, s->culled,
                 s->back_draws, (unsigned long long)s->triangles, (unsigned long long)s->vertices,
                 stats->cells.visited, stats->cells.cone, stats->cells.size, stats->cells.budget,
-                stats->cells.walls, s->turned_away, s->back_hidden);
+                stats->cells.walls, s->turned_away, s->back_hidden, stats->refined,
+                stats->beyond_bound, stats->over_budget, stats->out_of_domain);
     }
 }
 

@@ -158,12 +158,15 @@ static void count_views(struct ap_replay_totals *totals, const struct ap_frame_s
     }
     totals->refined += stats->refined;
     totals->unseen_facets += stats->unseen_facets;
-    if (stats->beyond_bound > 0 && totals->beyond_bound == 0)
+    if (stats->beyond_bound > stats->over_budget && totals->beyond_bound == totals->over_budget)
         ap_log(AP_LOG_WARNING,
                "some surfaces come too near for --max-error to hold everywhere, or need more "
                "triangles than there is room for (a world of cells: budget=MIB); --stats counts "
                "them");
     totals->beyond_bound += stats->beyond_bound;
+    totals->over_budget += stats->over_budget;
+    totals->held_bytes =
+        stats->held_bytes > totals->held_bytes ? stats->held_bytes : totals->held_bytes;
     totals->out_of_domain += stats->out_of_domain;
 }
 

@@ -23,6 +23,8 @@ static enum ap_status open_scene(struct ap_error *err, const struct ap_room_opti
         st = check_positive(err, "table-edge", o->table_edge_m);
     if (!st)
         st = check_positive(err, "table-height", o->table_height_m);
+    if (!st && !isnan(o->budget_mib) && !(o->budget_mib >= 0.1 && o->budget_mib <= 1e5))
+        st = ap_fail(err, AP_USAGE, "--budget: expected 0.1 to 100000 MiB");
     if (st)
         return st;
     if (o->side_pockets && (o->scene || !o->space || strcmp(o->space, "e3") != 0))
@@ -35,6 +37,7 @@ static enum ap_status open_scene(struct ap_error *err, const struct ap_room_opti
         .radius_m = isnan(o->radius_m) ? 0 : o->radius_m,
         .table_edge_m = isnan(o->table_edge_m) ? 0 : o->table_edge_m,
         .table_height_m = isnan(o->table_height_m) ? 0 : o->table_height_m,
+        .budget_bytes = isnan(o->budget_mib) ? 0 : (size_t)(o->budget_mib * 1048576),
     };
     if (o->scene && ap_scene_is_named(o->scene))
         return ap_scene_named(err, o->scene, &params, scene);

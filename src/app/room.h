@@ -18,7 +18,7 @@ struct ap_room_options {
     const char *native_of, *eye;
     double radius_m, table_edge_m, table_height_m; // NAN: not given
     bool side_pockets;
-    double max_error_px, samples; // likewise
+    double max_error_px, samples, budget_mib; // likewise
     bool no_cull;
 };
 
@@ -27,7 +27,8 @@ struct ap_room_options {
                               .table_edge_m = NAN,                                                 \
                               .table_height_m = NAN,                                               \
                               .max_error_px = NAN,                                                 \
-                              .samples = NAN})
+                              .samples = NAN,                                                      \
+                              .budget_mib = NAN})
 
 // A paragraph for --help of a command with these options.
 #define AP_ROOM_HELP                                                                               \
@@ -54,6 +55,8 @@ struct ap_room_options {
          "farthest that a surface may be seen from where it is (0.25)"},                           \
         {"samples", AP_OPTION_NUMBER, &(o).samples, "N",                                           \
          "a pixel: 1 (no smooth edges), 4, 16, 64 (4)"},                                           \
+        {"budget", AP_OPTION_NUMBER, &(o).budget_mib, "MIB",                                       \
+         "memory for what is drawn; detail gives way to it (worlds of cells 512, else 2048)"},     \
         {"no-cull", AP_OPTION_FLAG, &(o).no_cull, "",                                              \
          "draw what no eye can see too: the same pictures, to compare the work"},                  \
         {"scene", AP_OPTION_TEXT, &(o).scene, "FILE|NAME",                                         \

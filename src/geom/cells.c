@@ -144,6 +144,10 @@ enum ap_status ap_cells_create(struct ap_error *err, const struct ap_tiling *til
     return AP_OK;
 }
 
+size_t ap_cells_bytes(const struct ap_cells *cells) {
+    return cells->room * bytes_per_cell(cells->tiling);
+}
+
 void ap_cells_destroy(struct ap_cells *cells) {
     if (!cells)
         return;

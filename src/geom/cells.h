@@ -31,6 +31,9 @@ enum ap_status ap_cells_create(struct ap_error *err, const struct ap_tiling *til
                                struct ap_cells **cells);
 void ap_cells_destroy(struct ap_cells *cells);
 
+// What it holds of its budget.
+size_t ap_cells_bytes(const struct ap_cells *cells);
+
 // The cell across a face of a cell; −1 where it is not known yet and the budget or the memory is
 // used up, or beyond 20 rho in h3. What cells.cells points to may move.
 int32_t ap_cells_across(struct ap_cells *cells, int32_t cell, int face);

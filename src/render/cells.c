@@ -45,7 +45,7 @@ enum ap_status ap_cell_view_create(struct ap_error *err, const struct ap_scene *
     for (size_t i = 0; i < scene->part_count; i++)
         if (in_cells(scene, &scene->parts[i]))
             view->parts[view->part_count++] = i;
-    return ap_cells_create(err, &h->tiling, &h->pairing, h->budget_bytes / 2, &view->cells);
+    return ap_cells_create(err, &h->tiling, &h->pairing, ap_scene_budget(scene) / 4, &view->cells);
 }
 
 void ap_cell_view_destroy(struct ap_cell_view *view) {
@@ -286,7 +286,7 @@ static void tell_budget(struct ap_cell_view *view, const struct ap_portal_stats 
     view->warned = true;
     ap_log(AP_LOG_WARNING,
            "the budget for cells is used up after %zu of them: the world ends nearer than its "
-           "horizon (give a larger budget, or a nearer horizon)",
+           "horizon (give a larger --budget, or a nearer horizon)",
            view->cells->count);
 }
 
@@ -308,7 +308,7 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
     f.windows = windows_are_clear(&f);
     // The list and the buffers of two frames take some 700 bytes a part, growing included 1000. The
     // cell she is in and those around it are always there.
-    size_t most = scene->honeycomb->budget_bytes / 2 / (1000 * (view->part_count + 1)) +
+    size_t most = ap_scene_budget(scene) / 8 * 3 / (1000 * (view->part_count + 1)) +
                   (size_t)scene->honeycomb->tiling.face_count + 1;
     const struct ap_portal_params params = {
         .viewer = viewer,
@@ -325,13 +325,13 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
     tell_budget(view, &stats);
     note_ranges(&f);
     list->stats.cells = stats;
-    st = ap_draw_list_reserve(err, 2 * view->part_count * view->portal.count, list);
     for (size_t i = 0; !st && i < view->portal.count; i++) {
         const struct ap_seen_cell *cell = &view->portal.seen[i];
         memset(view->level, UNKNOWN, view->shape_count);
         f.rank = rank_of(&f, cell);
         if (f.windows)
             f.sides = sides_of_cell(&f, cell);
+        st = ap_draw_list_reserve(err, 2 * view->part_count, list);
         for (size_t k = 0; !st && k < view->part_count; k++)
             if (!missing(&f, &scene->parts[view->parts[k]]))
                 st = add(err, &f, cell, view->parts[k]);

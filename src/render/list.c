@@ -24,7 +24,7 @@ static enum ap_status make_room(struct ap_error *err, size_t room, struct ap_dra
 enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
                                    struct ap_draw_list *list) {
     memset(list, 0, sizeof *list);
-    return make_room(err, 8 * part_count + 1, list);
+    return make_room(err, 2 * part_count + 1, list);
 }
 
 enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap_draw_list *list) {
@@ -189,10 +189,15 @@ void ap_draw_list_sort(struct ap_draw_list *list) {
 // which is fine only where it is looked at; and no frame gets more of those than…
 enum { AHEAD_MAX = 2000, REFINED_MAX = 1000000, REFINED_MOST = 8000000 };
 
-// In a world of cells what its budget has room for, at some 60 bytes each for what two frames hold.
+static size_t refined_cap(const struct ap_scene *scene) {
+    return scene->honeycomb ? REFINED_MOST : REFINED_MAX;
+}
+
+// What the budget has room for, at some 128 bytes each for what the list and two frames hold, room
+// to grow included.
 static size_t refined_max(const struct ap_scene *scene) {
-    size_t most = scene->honeycomb ? scene->honeycomb->budget_bytes / 4 / 64 : REFINED_MAX;
-    return most < REFINED_MOST ? most : REFINED_MOST;
+    size_t most = ap_scene_budget(scene) / 4 / 128, cap = refined_cap(scene);
+    return most < cap ? most : cap;
 }
 
 // A closed bound that is missed by no more than this may be too careful.
@@ -239,6 +244,8 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
     bool fixed = part->kind == AP_PART_SOLID && part->form == AP_FORM_FACETS;
     if (fixed || (held && item->mesh.index_count / 3 <= AHEAD_MAX) || used >= most) {
         list->stats.beyond_bound += !held;
+        list->stats.over_budget +=
+            !held && !fixed && used >= most && most < refined_cap(params->scene);
         return AP_OK;
     }
     // Facets that may be off in depth are fewer, and surfaces meet where they ought to.
@@ -264,6 +271,8 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
                                        &item->mesh, &held, &unseen);
     list->stats.unseen_facets += unseen;
     list->stats.beyond_bound += st == AP_OK && !held;
+    bool full = list->refined.index_count / 3 + 1 >= most && most < refined_cap(params->scene);
+    list->stats.over_budget += st == AP_OK && !held && full;
     return st;
 }
 
@@ -384,6 +393,8 @@ enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_para
         list->range.near_m[image] = INFINITY;
         list->range.far_m[image] = 0;
     }
+    // A disc and a mesh, for both images and both ways round the space she was born in.
+    enum { EACH = 8 };
     enum ap_status st = AP_OK;
     const struct ap_honeycomb *cells = params->scene->honeycomb;
     for (size_t i = 0; st == AP_OK && i < params->scene->part_count; i++) {
@@ -392,7 +403,10 @@ enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_para
                         (cells && cells->quotient && part->carrier != AP_CARRIER_WORLD);
         bool missing = in_cells || (part->carrier == AP_CARRIER_LEFT && !input->hand_tracked[0]) ||
                        (part->carrier == AP_CARRIER_RIGHT && !input->hand_tracked[1]);
-        if (!part->hidden && !missing)
+        if (part->hidden || missing)
+            continue;
+        st = ap_draw_list_reserve(err, EACH, list);
+        if (st == AP_OK)
             st = add_part(err, params, &where, i, list);
     }
     return st;

@@ -24,7 +24,7 @@ struct ap_draw_item {
 };
 
 struct ap_draw_list {
-    struct ap_draw_item *items;        // 8·part_count, and what is reserved
+    struct ap_draw_item *items;        // what is reserved
     const struct ap_draw_item **order; // as they are drawn: after ap_draw_list_sort
     size_t count, room;
     struct ap_depth_range range;

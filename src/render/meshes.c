@@ -11,6 +11,8 @@ static const int BALL_STEPS[] = {1, 2, 3, 4, 5, 6, 8, 11, 16, 24, 40, 64};
 static const int STICK_AROUND[] = {5, 6, 8, 12, 16, 24, 32, 64};
 static const int POLYGON_DIVISION[] = {1, 2, 4, 8, 16, 32, 64};
 static const int POLYGON_TRIANGLES_MAX = 20480; // a level with more is left out
+// What is held for each at the most: in the process, on its way, on the GPU.
+enum { VERTEX_BYTES = 3 * sizeof(struct ap_vertex), INDEX_BYTES = 3 * sizeof(uint32_t) };
 
 // Whether two parts can share their meshes.
 static bool same_shape(const struct ap_part *a, const struct ap_part *b) {
@@ -70,6 +72,15 @@ static void find_facing(const struct ap_part *part, const struct ap_solid *solid
             return;
         }
         shape->out[shape->out_count++] = v;
+    }
+}
+
+// Drops the levels of more than `most` triangles, but the coarsest; they are the last.
+static void drop_large(size_t most, struct ap_mesh_data *data, struct ap_shape *shape) {
+    while (shape->levels > 1 && shape->mesh[shape->levels - 1].index_count / 3 > most) {
+        const struct ap_mesh *last = &shape->mesh[--shape->levels];
+        data->vertex_count = last->first_vertex;
+        data->index_count = last->first_index;
     }
 }
 
@@ -139,7 +150,7 @@ static enum ap_status reach_of(struct ap_error *err, const struct ap_scene *scen
     return st;
 }
 
-static enum ap_status add_parts(struct ap_error *err, const struct ap_scene *scene,
+static enum ap_status add_parts(struct ap_error *err, const struct ap_scene *scene, size_t most,
                                 struct ap_mesh_data *data, struct ap_meshes *made,
                                 size_t *first_part) {
     enum ap_status st = AP_OK;
@@ -150,6 +161,7 @@ static enum ap_status add_parts(struct ap_error *err, const struct ap_scene *sce
             s++;
         if (s == made->shape_count) {
             st = add_shape(err, scene, part, data, &made->shapes[s]);
+            drop_large(most, data, &made->shapes[s]);
             first_part[s] = i;
             made->shape_count++;
         }
@@ -158,6 +170,24 @@ static enum ap_status add_parts(struct ap_error *err, const struct ap_scene *sce
             st = reach_of(err, scene, part, &made->reach_m[i]);
     }
     return st;
+}
+
+// With fewer levels, the fewer the budget has room for; never without the coarsest. What is finer
+// is then made for the frame.
+static enum ap_status add_within_budget(struct ap_error *err, const struct ap_scene *scene,
+                                        struct ap_mesh_data *data, struct ap_meshes *made,
+                                        size_t *first_part) {
+    enum { FEWEST = 16 };
+    size_t budget = ap_scene_budget(scene),
+           allowed = scene->honeycomb ? budget / 8 : budget / 4 * 3;
+    size_t most = allowed / (VERTEX_BYTES / 2 + 3 * INDEX_BYTES);
+    for (;; most /= 2) {
+        made->shape_count = data->vertex_count = data->index_count = 0;
+        enum ap_status st = add_parts(err, scene, most, data, made, first_part);
+        size_t bytes = data->vertex_count * VERTEX_BYTES + data->index_count * INDEX_BYTES;
+        if (st != AP_OK || bytes <= allowed || most < FEWEST)
+            return st;
+    }
 }
 
 static void release(struct ap_meshes *meshes) {
@@ -203,7 +233,7 @@ enum ap_status ap_meshes_make(struct ap_error *err, const struct ap_scene *scene
     if (!first_part || !made.shapes || !made.shape_of_part || !made.reach_m)
         st = ap_fail(err, AP_ENVIRONMENT, "no memory for the meshes of %zu parts", n);
     else
-        st = add_parts(err, scene, data, &made, first_part);
+        st = add_within_budget(err, scene, data, &made, first_part);
     free(first_part);
     if (st == AP_OK)
         *meshes = made;

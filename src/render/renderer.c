@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/log.h"
 #include "src/render/cells.h"
 #include "src/render/decals.h"
 #include "src/render/list.h"
@@ -49,6 +50,7 @@ struct ap_renderer {
     struct ap_resolve resolve;
     struct slot slot[RING];
     unsigned frame;
+    bool told_budget; // that it ended
 };
 
 static bool is_software(const struct ap_gpu *gpu) {
@@ -191,7 +193,7 @@ static enum ap_status create_slot(struct ap_error *err, struct ap_renderer *r, s
                                        .commandPool = r->pool,
                                        .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
                                        .commandBufferCount = 1};
-    VkDeviceSize draws = (8 * r->scene->part_count + 1) * sizeof(struct ap_gpu_draw);
+    VkDeviceSize draws = (2 * r->scene->part_count + 1) * sizeof(struct ap_gpu_draw);
     enum ap_status st = ap_vk_check(err, vkCreateFence(r->gpu->device, &fence, NULL, &slot->fence),
                                     "vkCreateFence");
     if (st == AP_OK)
@@ -532,12 +534,12 @@ static enum ap_status take_refined(struct ap_error *err, const struct ap_rendere
 // The list may be longer than any before; the slot is not in use.
 static enum ap_status hold_draws(struct ap_error *err, const struct ap_renderer *r,
                                  struct slot *slot) {
-    VkDeviceSize size = r->list.room * sizeof(struct ap_gpu_draw);
-    if (r->list.count * sizeof(struct ap_gpu_draw) <= slot->draws.size)
+    VkDeviceSize size = r->list.count * sizeof(struct ap_gpu_draw);
+    if (size <= slot->draws.size)
         return AP_OK;
     struct ap_gpu_buffer larger = {0};
-    enum ap_status st =
-        ap_gpu_buffer_create(err, r->gpu, size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true, &larger);
+    enum ap_status st = ap_gpu_buffer_create(err, r->gpu, size + size / 2,
+                                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true, &larger);
     if (st != AP_OK)
         return st;
     ap_gpu_buffer_destroy(r->gpu, &slot->draws);
@@ -577,6 +579,28 @@ static enum ap_status place(struct ap_error *err, struct ap_renderer *r,
     return AP_OK;
 }
 
+// Buffers, lists and the cells that are known.
+static size_t held_bytes(const struct ap_renderer *r) {
+    const struct ap_mesh_data *own = &r->list.refined;
+    size_t sum = r->meshes.vertices.size + r->meshes.indices.size +
+                 r->list.room * (sizeof *r->list.items + sizeof(void *)) +
+                 own->vertex_space * sizeof *own->vertices +
+                 own->index_space * sizeof *own->indices;
+    for (int i = 0; i < RING; i++)
+        sum += r->slot[i].draws.size + r->slot[i].vertices.size + r->slot[i].indices.size;
+    return sum + (r->cells.cells ? ap_cells_bytes(r->cells.cells) : 0);
+}
+
+static void tell_budget(struct ap_renderer *r) {
+    if (r->list.stats.over_budget == 0 || r->told_budget || r->cells.warned)
+        return;
+    r->told_budget = true;
+    ap_log(AP_LOG_WARNING,
+           "the budget of %.3g MiB has no room for the triangles that --max-error asks for: some "
+           "surfaces are drawn coarser (give a larger --budget)",
+           (double)ap_scene_budget(r->scene) / 1048576);
+}
+
 static int64_t now(const struct ap_renderer *r) {
     return r->params.now_ns ? r->params.now_ns() : 0;
 }
@@ -606,9 +630,11 @@ enum ap_status ap_renderer_draw(struct ap_error *err, struct ap_renderer *r,
         return st;
     slot->busy = true;
     r->frame++;
+    tell_budget(r);
     if (!stats)
         return AP_OK;
     *stats = r->list.stats;
+    stats->held_bytes = held_bytes(r);
     stats->wait_ms = (double)(t1 - t0) * 1e-6;
     stats->place_ms = (double)(t2 - t1) * 1e-6;
     stats->record_ms = (double)(t3 - t2) * 1e-6;

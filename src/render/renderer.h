@@ -71,11 +71,16 @@ struct ap_frame_stats {
     uint32_t unseen_facets; // triangles of those that were left out: out of sight or turned away
     uint32_t beyond_bound;  // parts·images that even the finest triangles show farther off than
                             // max_error_px
+    uint32_t over_budget;   // of `beyond_bound`, those for which the scene's budget had no room for
+                            // finer ones; it is said once
     uint32_t out_of_domain; // parts whose place is no number, or beyond float's range: not drawn
     // Milliseconds of the calling thread: waiting for the frame before the last, placing, culling
     // and refining, recording, submitting.
     double wait_ms, place_ms, record_ms, submit_ms;
     struct ap_portal_stats cells; // of a scene of cells
+    // Memory that is held for meshes, lists and this frame and the one before, in the process and
+    // on the GPU, but for images; of what the scene's budget bounds.
+    size_t held_bytes;
 };
 
 // Draws into two images (or two layers of one): image + array layer per eye, created with

@@ -140,6 +140,7 @@ enum ap_status ap_scene_billiards(struct ap_error *err, const struct ap_scene_pa
                                              .radius_m = params->radius_m,
                                              .table_edge_m = params->table_edge_m,
                                              .table_height_m = params->table_height_m,
+                                             .budget_bytes = params->budget_bytes,
                                              .has_table = true};
     struct ap_scene_build build;
     enum ap_status st = ap_build_init(err, &request, &build);

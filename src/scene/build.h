@@ -24,6 +24,7 @@ struct ap_space_request {
     const char *space_name, *file_space_name; // NULL: not given
     double radius_m, file_radius_m;           // 0: not given
     double table_edge_m, table_height_m;      // 0: not given
+    size_t budget_bytes;                      // 0: not given
     bool has_table; // an edge that contradicts the radius (s3, h3) is then AP_USAGE
 };
 
@@ -89,6 +90,7 @@ struct ap_model_request {
     struct ap_iso place;
     long rgb; // −1: the model's own colours
     bool lit;
+    size_t most_bytes; // of memory for all its solids: they are simplified, and a warning says so
 };
 enum ap_status ap_build_model(struct ap_error *err, struct ap_scene_build *build,
                               const struct ap_model_request *request);

@@ -180,7 +180,8 @@ enum ap_status ap_furnish_honeycomb(struct ap_error *err, const struct ap_json_a
     build->scene->honeycomb = h;
     h->quotient = plan->quotient;
     h->horizon_px = plan->look.horizon_px;
-    h->budget_bytes = (size_t)(plan->look.budget_mib * 1048576);
+    if (!build->scene->budget_bytes)
+        build->scene->budget_bytes = (size_t)(plan->look.budget_mib * 1048576);
     double e3_edge = plan->look.edge_m > 0 ? plan->look.edge_m : 2;
     enum ap_status st = ap_tiling_init(err, plan->symbol, build->scene->space, e3_edge, &h->tiling);
     if (!st)

@@ -77,7 +77,7 @@ static enum ap_status read_show(struct ap_error *err, const struct ap_json_at *a
 
 static enum ap_status read_look(struct ap_error *err, const struct ap_json_at *at,
                                 struct ap_honeycomb_look *look) {
-    *look = (struct ap_honeycomb_look){.width = 0.2, .horizon_px = 12, .budget_mib = 256};
+    *look = (struct ap_honeycomb_look){.width = 0.2, .horizon_px = 12, .budget_mib = 512};
     struct ap_json_at show = ap_json_member(at, "show");
     enum ap_status st = AP_OK;
     if (show.value)

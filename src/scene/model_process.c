@@ -8,7 +8,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "src/base/log.h"
 #include "src/scene/import.h"
+#include "src/scene/simplify.h"
 
 // The importer is a large library that ends the process when a file breaks its assumptions (an
 // empty file does). So a process of its own reads the model and sends what it found through a pipe;
@@ -20,7 +22,7 @@ enum { MAX_SOLIDS = 100000, CPU_LIMIT_S = 60 };
 struct reply {
     enum ap_status status;
     struct ap_error why;
-    size_t solids;
+    size_t solids, triangles; // triangles: in the file
 };
 
 struct solid_head {
@@ -85,6 +87,25 @@ static void limit_resources(void) {
     fclose(f);
 }
 
+// Each solid gets the same share of its size. What cannot be simplified stays.
+static void keep_to_budget(struct ap_scene *scene, size_t from_part, size_t most_bytes) {
+    size_t bytes = 0;
+    for (size_t i = from_part; i < scene->part_count; i++)
+        bytes += ap_solid_bytes(&scene->solids[scene->parts[i].solid]);
+    double share = bytes > most_bytes ? (double)most_bytes / (double)bytes : 1;
+    for (size_t i = from_part; share < 1 && i < scene->part_count; i++) {
+        struct ap_solid *solid = &scene->solids[scene->parts[i].solid];
+        ap_solid_simplify(solid, (size_t)(share * (double)ap_solid_bytes(solid)));
+    }
+}
+
+static size_t count_triangles(const struct ap_scene *scene, size_t from_part) {
+    size_t count = 0;
+    for (size_t i = from_part; i < scene->part_count; i++)
+        count += scene->solids[scene->parts[i].solid].index_count / 3;
+    return count;
+}
+
 // In the process of its own; never returns.
 static _Noreturn void import_and_send(int fd, struct ap_scene_build *build,
                                       const struct ap_model_request *request) {
@@ -99,6 +120,10 @@ static _Noreturn void import_and_send(int fd, struct ap_scene_build *build,
     if (!reply.status && build->out_of_memory)
         reply.status = ap_fail(&reply.why, AP_ENVIRONMENT, "out of memory for %s", request->path);
     reply.solids = reply.status ? 0 : build->scene->part_count - before;
+    if (!reply.status) {
+        reply.triangles = count_triangles(build->scene, before);
+        keep_to_budget(build->scene, before, request->most_bytes);
+    }
     bool sent = send_all(fd, &reply, sizeof reply);
     for (size_t i = 0; i < reply.solids && sent; i++)
         sent = send_solid(fd, build->scene, &build->scene->parts[before + i]);
@@ -147,7 +172,7 @@ static bool receive_solid(int fd, struct ap_scene_build *build,
 static enum ap_status receive_model(struct ap_error *err, int fd, struct ap_scene_build *build,
                                     const struct ap_model_request *request) {
     struct reply reply;
-    size_t vertices = 0;
+    size_t vertices = 0, before = build->scene->part_count;
     bool good = receive_all(fd, &reply, sizeof reply) && reply.solids <= MAX_SOLIDS;
     if (good && reply.status != AP_OK) {
         reply.why.text[AP_ERROR_TEXT_MAX - 1] = '\0';
@@ -161,6 +186,13 @@ static enum ap_status receive_model(struct ap_error *err, int fd, struct ap_scen
                        "%s: reading it failed or took more than %d s: the file is damaged, or too "
                        "large",
                        request->path, CPU_LIMIT_S);
+    size_t kept = count_triangles(build->scene, before);
+    if (kept < reply.triangles && !build->out_of_memory)
+        ap_log(
+            AP_LOG_WARNING,
+            "%s: the budget of %.3g MiB has room for %zu of its %zu triangles: it is drawn coarser "
+            "(give a larger --budget)",
+            request->path, (double)ap_scene_budget(build->scene) / 1048576, kept, reply.triangles);
     return AP_OK;
 }
 

@@ -283,6 +283,14 @@ static char *beside(const char *scene_path, const char *file) {
     return path;
 }
 
+// All models have the same share of half of the budget.
+static size_t model_budget(const struct reader *r) {
+    size_t models = 0;
+    for (size_t i = 0; i < json_array_size(r->objects.value); i++)
+        models += json_object_get(json_array_get(r->objects.value, i), "model") != NULL;
+    return ap_scene_budget(r->build.scene) / 2 / models;
+}
+
 static enum ap_status read_model(struct ap_error *err, struct reader *r,
                                  const struct ap_json_at *at) {
     static const char *const keys[] = {"at_m", "rotate", "file", "scale", "color", "lit", NULL};
@@ -306,6 +314,7 @@ static enum ap_status read_model(struct ap_error *err, struct reader *r,
     if (!path)
         return ap_fail(err, AP_ENVIRONMENT, "out of memory for a path");
     request.path = path;
+    request.most_bytes = model_budget(r);
     struct ap_error why = {""};
     st = ap_build_model(&why, &r->build, &request);
     free(path);
@@ -529,7 +538,8 @@ static enum ap_status read_root(struct ap_error *err, const char *path, const js
     struct ap_space_request request = {.space_name = params->space_name,
                                        .radius_m = params->radius_m,
                                        .table_edge_m = params->table_edge_m,
-                                       .table_height_m = params->table_height_m};
+                                       .table_height_m = params->table_height_m,
+                                       .budget_bytes = params->budget_bytes};
     struct reader r = {.path = path, .objects = ap_json_member(&root, "objects")};
     enum ap_status st = ap_json_check_keys(err, &root, keys);
     if (!st)

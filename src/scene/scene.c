@@ -59,6 +59,7 @@ enum ap_status ap_build_init(struct ap_error *err, const struct ap_space_request
     if (!b.scene)
         return ap_fail(err, AP_ENVIRONMENT, "out of memory for a scene");
     b.scene->space = b.table.space;
+    b.scene->budget_bytes = request->budget_bytes;
     b.scene->has_table = request->has_table;
     b.scene->table_edge_m = b.table.edge_m;
     b.scene->table_height_m =
@@ -233,6 +234,11 @@ enum ap_status ap_scene_add(struct ap_error *err, struct ap_scene *scene,
         grown[scene->part_count++].hidden = true;
     }
     return AP_OK;
+}
+
+size_t ap_scene_budget(const struct ap_scene *scene) {
+    size_t mib = scene->honeycomb ? 512 : 2048;
+    return scene->budget_bytes ? scene->budget_bytes : mib << 20;
 }
 
 void ap_scene_destroy(struct ap_scene *scene) {

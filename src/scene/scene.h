@@ -103,7 +103,6 @@ struct ap_honeycomb {
     struct ap_pairing pairing;
     bool quotient;       // the cells are one: the hands are in each of them
     double horizon_px;   // a cell that is seen with less than this radius is not drawn
-    size_t budget_bytes; // half for the cells that are known, half for what is drawn of them
     struct ap_vec4 lamp; // of each cell, in its frame
     // Opaque walls with a window in each face, whose corners these are (cell's frame).
     bool has_walls;
@@ -129,6 +128,12 @@ struct ap_scene {
     struct ap_mouth mouths[AP_MOUTHS_MAX];
     int mouth_count;
     struct ap_honeycomb *honeycomb; // NULL: the world is not made of cells
+    // What it may take of memory (ap_scene_budget), 0: the default. A quarter for triangles made
+    // for a frame; half for models, as they are read and drawn, the rest for meshes made ahead. In
+    // a world of cells a quarter for those that are known, three eighths for the list of what is
+    // drawn of them. What a scene cannot do without, the coarsest meshes and a list of its parts,
+    // it has.
+    size_t budget_bytes;
 };
 
 struct ap_scene_params {
@@ -137,6 +142,7 @@ struct ap_scene_params {
     double table_edge_m;    // 0: 0.9, or what radius_m says
     double table_height_m;  // 0: 0.75
     bool side_pockets;      // the billiards room of e3: six pockets
+    size_t budget_bytes;    // 0: the file's, else a default
 };
 
 // From a scene file. AP_INPUT names the place ("room.json: /objects/3/ball/radius_m: …").
@@ -166,6 +172,9 @@ enum ap_status ap_scene_from_json(struct ap_error *err, const char *name, const 
 bool ap_scene_is_named(const char *text);
 enum ap_status ap_scene_named(struct ap_error *err, const char *text,
                               const struct ap_scene_params *params, struct ap_scene **scene);
+
+// The scene's budget, or the default: 512 MiB for a world of cells, 2048 for others.
+size_t ap_scene_budget(const struct ap_scene *scene);
 
 void ap_scene_destroy(struct ap_scene *scene);
 

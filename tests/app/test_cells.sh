@@ -30,7 +30,7 @@ run() { # two frames, the standard error in $work/stderr
 }
 run horizon=6
 whole=$(column cells)
-[ "$(column cells_over_budget)" = 0 ] || fail "256 MiB are not enough for a horizon of 6 px"
+[ "$(column cells_over_budget)" = 0 ] || fail "512 MiB are not enough for a horizon of 6 px"
 grep -q budget "$work/stderr" && fail "a budget that is large enough is warned of"
 run horizon=6,budget=1
 some=$(column cells)
