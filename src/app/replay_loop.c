@@ -158,11 +158,10 @@ static void count_views(struct ap_replay_totals *totals, const struct ap_frame_s
     }
     totals->refined += stats->refined;
     totals->unseen_facets += stats->unseen_facets;
-    if (stats->beyond_bound > stats->over_budget && totals->beyond_bound == totals->over_budget)
+    if (stats->beyond_bound > 0 && totals->beyond_bound == 0 && stats->over_budget == 0)
         ap_log(AP_LOG_WARNING,
                "some surfaces come too near for --max-error to hold everywhere, or need more "
-               "triangles than there is room for (a world of cells: budget=MIB); --stats counts "
-               "them");
+               "triangles than a frame may have; --stats counts them");
     totals->beyond_bound += stats->beyond_bound;
     totals->over_budget += stats->over_budget;
     totals->held_bytes =
