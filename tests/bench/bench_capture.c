@@ -1,4 +1,4 @@
-#include "tests/sim_hmd/client.h"
+#include "tests/sim_hmd/painter.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,13 +18,8 @@ static double seconds(clockid_t clock) {
 }
 
 struct bench {
-    struct client c;
-    VkBuffer buffer;
-    VkDeviceMemory memory;
-    VkCommandPool pool;
-    VkQueue queue;
+    struct painter p;
     XrSwapchain swapchain;
-    VkImage image[3];
 };
 
 // Black above, below it a chequered floor that pales with the distance, and some balls.
@@ -46,25 +41,6 @@ static void paint(uint8_t *p) {
         }
 }
 
-static void make_picture(struct bench *b) {
-    VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                               .size = (VkDeviceSize)W * H * 4,
-                               .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
-    assert_int_equal(vkCreateBuffer(b->c.device, &info, NULL, &b->buffer), VK_SUCCESS);
-    VkMemoryRequirements needs;
-    vkGetBufferMemoryRequirements(b->c.device, b->buffer, &needs);
-    VkMemoryAllocateInfo a = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                              .allocationSize = needs.size};
-    assert_int_equal(vkAllocateMemory(b->c.device, &a, NULL, &b->memory), VK_SUCCESS);
-    assert_int_equal(vkBindBufferMemory(b->c.device, b->buffer, b->memory, 0), VK_SUCCESS);
-    void *p;
-    assert_int_equal(vkMapMemory(b->c.device, b->memory, 0, VK_WHOLE_SIZE, 0, &p), VK_SUCCESS);
-    paint(p);
-    VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    assert_int_equal(vkCreateCommandPool(b->c.device, &pool, NULL, &b->pool), VK_SUCCESS);
-    vkGetDeviceQueue(b->c.device, 0, 0, &b->queue);
-}
-
 static void make_swapchain(struct bench *b) {
     XrSwapchainCreateInfo i = {.type = XR_TYPE_SWAPCHAIN_CREATE_INFO,
                                .usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT |
@@ -76,65 +52,33 @@ static void make_swapchain(struct bench *b) {
                                .faceCount = 1,
                                .arraySize = 1,
                                .mipCount = 1};
-    XR_OK(xrCreateSwapchain(b->c.session, &i, &b->swapchain));
-    XrSwapchainImageVulkanKHR images[3] = {{.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR},
-                                           {.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR},
-                                           {.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR}};
-    uint32_t count;
-    XR_OK(
-        xrEnumerateSwapchainImages(b->swapchain, 3, &count, (XrSwapchainImageBaseHeader *)images));
-    for (int k = 0; k < 3; k++)
-        b->image[k] = images[k].image;
+    XR_OK(xrCreateSwapchain(b->p.c.session, &i, &b->swapchain));
 }
 
-static void turn(VkCommandBuffer cmd, VkImage image, VkImageLayout from, VkImageLayout to) {
-    VkImageMemoryBarrier barrier = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
-                                    .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
-                                    .dstAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
-                                    .oldLayout = from,
-                                    .newLayout = to,
-                                    .image = image,
-                                    .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
-    vkCmdPipelineBarrier(cmd, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
-                         VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, NULL, 0, NULL, 1, &barrier);
-}
-
-static void draw(struct bench *b, VkImage image) {
+static void draw(struct painter *p, VkImage image) {
     const VkImageLayout target = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-    VkCommandBufferAllocateInfo a = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                     .commandPool = b->pool,
-                                     .commandBufferCount = 1};
-    VkCommandBuffer cmd;
-    assert_int_equal(vkAllocateCommandBuffers(b->c.device, &a, &cmd), VK_SUCCESS);
-    VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    vkBeginCommandBuffer(cmd, &begin);
-    turn(cmd, image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, target);
-    VkBufferImageCopy copy = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                              .imageExtent = {W, H, 1}};
-    vkCmdCopyBufferToImage(cmd, b->buffer, image, target, 1, &copy);
-    turn(cmd, image, target, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    vkEndCommandBuffer(cmd);
-    VkSubmitInfo submit = {
-        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &cmd};
-    assert_int_equal(vkQueueSubmit(b->queue, 1, &submit, VK_NULL_HANDLE), VK_SUCCESS);
+    const VkImageAspectFlags colour = VK_IMAGE_ASPECT_COLOR_BIT;
+    VkCommandBuffer cmd = painter_begin(p);
+    painter_turn(cmd, image, colour, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, target);
+    VkBufferImageCopy copy = {.imageSubresource = {colour, 0, 0, 1}, .imageExtent = {W, H, 1}};
+    vkCmdCopyBufferToImage(cmd, p->buffer, image, target, 1, &copy);
+    painter_turn(cmd, image, colour, target, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    painter_submit(p, cmd);
 }
 
 static void frame(struct bench *b) {
-    XrFrameState f = client_wait(&b->c);
-    client_begin(&b->c);
-    uint32_t index, count;
-    XrSwapchainImageWaitInfo wait = {.type = XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO};
-    XR_OK(xrAcquireSwapchainImage(b->swapchain, NULL, &index));
-    XR_OK(xrWaitSwapchainImage(b->swapchain, &wait));
-    draw(b, b->image[index]);
+    XrFrameState f = client_wait(&b->p.c);
+    client_begin(&b->p.c);
+    draw(&b->p, painter_acquire(b->swapchain));
     XR_OK(xrReleaseSwapchainImage(b->swapchain, NULL));
     XrViewLocateInfo info = {.type = XR_TYPE_VIEW_LOCATE_INFO,
                              .viewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO,
                              .displayTime = f.predictedDisplayTime,
-                             .space = b->c.stage};
+                             .space = b->p.c.stage};
+    uint32_t count;
     XrViewState state = {.type = XR_TYPE_VIEW_STATE};
     XrView views[2] = {{.type = XR_TYPE_VIEW}, {.type = XR_TYPE_VIEW}};
-    XR_OK(xrLocateViews(b->c.session, &info, &state, 2, &count, views));
+    XR_OK(xrLocateViews(b->p.c.session, &info, &state, 2, &count, views));
     XrCompositionLayerProjectionView out[2];
     for (int eye = 0; eye < 2; eye++)
         out[eye] = (XrCompositionLayerProjectionView){
@@ -143,7 +87,7 @@ static void frame(struct bench *b) {
             .fov = views[eye].fov,
             .subImage = {.swapchain = b->swapchain, .imageRect.extent = {W, H}}};
     XrCompositionLayerProjection layer = {.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION,
-                                          .space = b->c.stage,
+                                          .space = b->p.c.stage,
                                           .viewCount = 2,
                                           .views = out};
     const XrCompositionLayerBaseHeader *list = (const XrCompositionLayerBaseHeader *)&layer;
@@ -152,7 +96,7 @@ static void frame(struct bench *b) {
                           .environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE,
                           .layerCount = 1,
                           .layers = &list};
-    XR_OK(xrEndFrame(b->c.session, &end));
+    XR_OK(xrEndFrame(b->p.c.session, &end));
 }
 
 // "capture" is what stands for its value in the settings; NULL: none.
@@ -169,19 +113,15 @@ static void run(const char *name, const char *capture) {
              capture ? ", \"capture\": {\"dir\": \"cap\"" : "", capture ? capture : "",
              capture ? "}" : "", W, H, W, H);
     client_settings(json);
-    client_start(&b.c);
-    make_picture(&b);
+    painter_start(&b.p, (VkDeviceSize)W * H * 4);
+    paint(b.p.mapped);
     make_swapchain(&b);
     frame(&b); // what is made when first needed
     double cpu = seconds(CLOCK_PROCESS_CPUTIME_ID), wall = seconds(CLOCK_MONOTONIC);
     for (int k = 1; k < FRAMES; k++)
         frame(&b);
     double called = seconds(CLOCK_MONOTONIC) - wall;
-    vkDeviceWaitIdle(b.c.device);
-    vkDestroyCommandPool(b.c.device, b.pool, NULL);
-    vkDestroyBuffer(b.c.device, b.buffer, NULL);
-    vkFreeMemory(b.c.device, b.memory, NULL);
-    client_stop(&b.c); // the writers end
+    painter_stop(&b.p); // the writers end
     printf("%-34s %7.1f CPU ms a frame, %7.1f ms wall, %7.1f ms in the program's thread\n", name,
            1e3 * (seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu) / (FRAMES - 1),
            1e3 * (seconds(CLOCK_MONOTONIC) - wall) / (FRAMES - 1), 1e3 * called / (FRAMES - 1));
