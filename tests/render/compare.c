@@ -213,10 +213,10 @@ static void note(const struct compare *c, const struct pixel *p, double value, d
     if (!(value > *most))
         return;
     *most = value;
-    snprintf(text, 96, "frame %ld, %s (%.0f, %.0f): %s %d%s for %s %d%s at %.3f m",
-             c->tally->frames, p->eye ? "right" : "left", p->x - 0.5, p->y - 0.5,
-             kind_of(c, p->thing), p->thing, p->image ? "'" : "", kind_of(c, p->truth.thing),
-             p->truth.thing, p->truth.image ? "'" : "", p->truth.along_m);
+    snprintf(text, 96, "place %d, %s (%.0f, %.0f): %s %d%s for %s %d%s at %.3f m", c->tally->place,
+             p->eye ? "right" : "left", p->x - 0.5, p->y - 0.5, kind_of(c, p->thing), p->thing,
+             p->image ? "'" : "", kind_of(c, p->truth.thing), p->truth.thing,
+             p->truth.image ? "'" : "", p->truth.along_m);
 }
 
 // Where the drawn point of a surface would be seen if it were on the surface: at the point that the

@@ -14,6 +14,7 @@ struct compare_values {
 double compare_quantile(struct compare_values *values, double q);
 
 struct compare_tally {
+    int place; // that is looked from
     long frames, pixels;
     // Pixels where something else is drawn than is to be seen; how many pixels off an outline is
     // that explains it (INFINITY: none within COMPARE_REACH_PX).

@@ -1,8 +1,8 @@
 // The renderer's pictures against a reference that finds what each pixel sees in double: rooms and
 // worlds of cells in all spaces, both views, both eyes, from random and from awkward places, and
-// along real recordings. `test_reference POSES [SIZE [SCENE [PICTURES]]]` looks from more places,
-// in larger pictures, at the scenes whose name holds SCENE, and writes what it saw to
-// PICTURES-….png.
+// along real recordings. `test_reference --places N` looks from N places at each scene in each view
+// at each bound; --help says what else it takes.
+#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,8 +24,16 @@ static const double ROUNDING_PX = 0.02;
 static const double HORIZON = 0.3;
 
 static struct stage stage;
-static const char *pictures; // the beginning of their names; NULL: none
-static bool chatty;
+static struct {
+    int places; // in each row; 0: the suite's short run
+    int size;   // of a picture, pixels
+    int seed;
+    int first;            // place
+    const char *scene;    // a part of its name
+    const char *view;     // NULL: all
+    double bound_px;      // 0: all
+    const char *pictures; // the beginning of their names; NULL: none
+} run = {.size = 20, .scene = ""};
 static struct probe probe;
 static struct exact_random random_of = {5};
 
@@ -223,7 +231,7 @@ static bool report(struct row *row) {
                compare_quantile(&row->over.edge_px, 1),
                compare_quantile(&row->over.direction_px, 1));
     printf("%s\n", bad ? "  FAILED" : "");
-    if (bad || chatty)
+    if (bad || run.places > 0)
         printf("    edge: %s\n    seam: %s\n    direction: %s\n", t->worst_edge, t->worst_seam,
                t->worst_direction);
     fflush(stdout);
@@ -236,12 +244,13 @@ static void finish(struct row *row) {
 }
 
 // False: nothing to be compared was there.
-static bool look(struct probe_world *world, const struct ap_frame_input *input, struct row *row) {
-    struct compare_tally t = {0};
+static bool look(struct probe_world *world, const struct ap_frame_input *input, int place,
+                 struct row *row) {
+    struct compare_tally t = {.place = place};
     char path[512];
-    snprintf(path, sizeof path, "%s-%.24s-%s-%.2f-%ld", pictures ? pictures : "", row->name,
-             ap_view_mode_name(row->mode), row->bound_px, row->held.frames + row->over.frames);
-    bool done = compare_frame(&probe, world, input, row->bound_px, pictures ? path : NULL, &t);
+    snprintf(path, sizeof path, "%s-%.24s-%s-%.2f-%d", run.pictures ? run.pictures : "", row->name,
+             ap_view_mode_name(row->mode), row->bound_px, place);
+    bool done = compare_frame(&probe, world, input, row->bound_px, run.pictures ? path : NULL, &t);
     compare_tally_add(t.beyond ? &row->over : &row->held, &t);
     compare_tally_finish(&t);
     return done;
@@ -250,8 +259,23 @@ static bool look(struct probe_world *world, const struct ap_frame_input *input, 
 static const double BOUNDS[] = {0.25, 0.05, 1};
 enum { BOUND_COUNT = sizeof BOUNDS / sizeof *BOUNDS };
 
-// turn: which bound a short run takes.
-static int look_at_scene(const char *name, int poses, bool all_bounds, int turn) {
+// Whether a row is asked for. turn: which bound a short run takes.
+static bool is_asked(const struct row *row, int b, int turn) {
+    if (run.view && strcmp(run.view, ap_view_mode_name(row->mode)) != 0)
+        return false;
+    if (run.bound_px > 0)
+        return row->bound_px == run.bound_px;
+    return run.places > 0 || b == (turn + (int)row->mode) % BOUND_COUNT;
+}
+
+// Each place by itself, so that one can be seen again without those before it.
+static void begin_place(int row, int place) {
+    random_of.seed = 1000003u * (uint64_t)(run.seed + 1) + 1009u * (uint64_t)row + (uint64_t)place;
+    for (int i = 0; i < 4; i++) // what is near of seeds is near of the first numbers
+        uniform(0, 1);
+}
+
+static int look_at_scene(const char *name, int places, int turn) {
     struct probe_world world;
     struct ap_scene *scene = open_scene(name);
     int failures = 0;
@@ -259,12 +283,15 @@ static int look_at_scene(const char *name, int poses, bool all_bounds, int turn)
     for (int mode = AP_VIEW_NATIVE; mode <= AP_VIEW_TOURIST; mode++)
         for (int b = 0; b < BOUND_COUNT; b++) {
             struct row row = {.name = name, .mode = (enum ap_view_mode)mode, .bound_px = BOUNDS[b]};
-            if (!all_bounds && b != (turn + mode) % BOUND_COUNT)
+            if (!is_asked(&row, b, turn))
                 continue;
-            random_of.seed = (uint64_t)(10 * turn + mode + 2 * b);
-            for (int i = 0, tries = 0; i < poses && tries < 20 * poses; tries++) {
-                struct ap_frame_input input = frame_of(scene, row.mode, i + turn % 2 * 2);
-                i += look(&world, &input, &row);
+            for (int i = run.first; i < run.first + places; i++) {
+                begin_place(20 * turn + 3 * mode + b, i);
+                for (int tries = 0; tries < 20; tries++) {
+                    struct ap_frame_input input = frame_of(scene, row.mode, i + turn % 2 * 2);
+                    if (look(&world, &input, i, &row))
+                        break;
+                }
             }
             failures += !report(&row);
             finish(&row);
@@ -308,6 +335,7 @@ static void follow(const struct recording *recording, const char *shared, int po
     int64_t t0 = ap_timeline_start_ns(timeline), t1 = ap_timeline_end_ns(timeline);
     for (int i = 0; i < poses; i++) {
         struct row *row = &rows[(i + turn) % 2];
+        begin_place(1000 + turn, i);
         struct ap_frame_input input = frame_of(world->scene, row->mode, i / 2 + turn);
         int64_t t = t0 + (int64_t)((double)(t1 - t0) * (i + uniform(0, 1)) / poses);
         static const char *const NAMES[] = {"head", "left", "right"};
@@ -323,15 +351,14 @@ static void follow(const struct recording *recording, const char *shared, int po
             if (k > 0)
                 input.hand_tracked[k - 1] = has_row;
         }
-        look(world, &input, row);
+        look(world, &input, i, row);
     }
     ap_tracker_destroy(tracker);
     ap_timeline_destroy(timeline);
     ap_poselog_close(log);
 }
 
-static int look_at_recordings(const char *name, const char *space, int poses, bool all_bounds,
-                              int turn) {
+static int look_at_recordings(const char *name, const char *space, int turn) {
     const char *shared = getenv("ANTIPODE_SHARED");
     struct probe_world world;
     int failures = 0;
@@ -344,12 +371,12 @@ static int look_at_recordings(const char *name, const char *space, int poses, bo
     for (int b = 0; b < BOUND_COUNT; b++) {
         struct row rows[2] = {{.name = name, .mode = AP_VIEW_NATIVE, .bound_px = BOUNDS[b]},
                               {.name = name, .mode = AP_VIEW_TOURIST, .bound_px = BOUNDS[b]}};
-        if (!all_bounds && b != turn % BOUND_COUNT)
+        if (!is_asked(&rows[0], b, turn))
             continue;
-        random_of.seed = (uint64_t)(1000 + 10 * turn + b);
         for (int i = 0; i < RECORDING_COUNT; i++)
-            if (all_bounds || i % 3 == turn % 3)
-                follow(&RECORDINGS[i], shared, poses, i / 3, &world, rows);
+            if (run.places > 0 || i % 3 == turn % 3)
+                follow(&RECORDINGS[i], shared, run.places > 0 ? run.places : 1, i / 3, &world,
+                       rows);
         for (int i = 0; i < 2; i++) {
             failures += !report(&rows[i]);
             finish(&rows[i]);
@@ -360,10 +387,51 @@ static int look_at_recordings(const char *name, const char *space, int poses, bo
     return failures;
 }
 
+static int usage(void) {
+    printf(
+        "test_reference [--places N] [--first I] [--size PX] [--seed S] [--scene NAME]\n"
+        "               [--view native|tourist|native-of] [--bound 0.25|0.05|1]\n"
+        "               [--pictures PREFIX]\n"
+        "N places in each row, from place I on: a place depends on the scene, the view, the\n"
+        "bound, S and its number alone. NAME: scenes whose names hold it. PREFIX-….png: what is\n"
+        "drawn, what is to be seen, both.\n");
+    return 2;
+}
+
+static bool read_options(int argc, char **argv) {
+    static const struct option OPTIONS[] = {
+        {"places", 1, NULL, 'p'}, {"first", 1, NULL, 'f'},    {"size", 1, NULL, 's'},
+        {"seed", 1, NULL, 'r'},   {"scene", 1, NULL, 'n'},    {"view", 1, NULL, 'v'},
+        {"bound", 1, NULL, 'b'},  {"pictures", 1, NULL, 'o'}, {NULL, 0, NULL, 0}};
+    int c;
+    while ((c = getopt_long(argc, argv, "", OPTIONS, NULL)) != -1) {
+        int number = optarg ? atoi(optarg) : 0;
+        if (c == 'p')
+            run.places = number;
+        else if (c == 'f')
+            run.first = number;
+        else if (c == 's')
+            run.size = number;
+        else if (c == 'r')
+            run.seed = number;
+        else if (c == 'n')
+            run.scene = optarg;
+        else if (c == 'v')
+            run.view = optarg;
+        else if (c == 'b')
+            run.bound_px = atof(optarg);
+        else if (c == 'o')
+            run.pictures = optarg;
+        else
+            return false;
+    }
+    return optind == argc && run.size >= 8 && run.size <= 2000 && run.places >= 0;
+}
+
 int main(int argc, char **argv) {
     static const struct {
         const char *name;
-        int poses; // of a short run
+        int places; // of a short run
     } SCENES[] = {{"h3", 2},
                   {"e3", 2},
                   {"s3", 2},
@@ -382,27 +450,25 @@ int main(int argc, char **argv) {
                   {"poincare-dodecahedral,walls", 1},
                   {"seifert-weber,walls,struts,balls", 1},
                   {"mirrored-dodecahedron,walls,struts,balls", 0}};
-    int poses = argc > 1 ? atoi(argv[1]) : 0, size = argc > 2 ? atoi(argv[2]) : 20, failures = 0;
-    const char *only = argc > 3 ? argv[3] : "";
-    pictures = argc > 4 ? argv[4] : NULL;
-    chatty = poses > 0;
+    int failures = 0;
+    if (!read_options(argc, argv))
+        return usage();
     if (!stage_open(&stage, 64, 64, false))
         return 77;
-    probe_open(&probe, &stage.gpu, (uint32_t)size, (uint32_t)size);
+    probe_open(&probe, &stage.gpu, (uint32_t)run.size, (uint32_t)run.size);
     printf(
         "scene, view, bound px | frames, pixels, of a million differ | those off by px: worst, 99 "
         "%%, half | seams, px | depth, relative | direction "
         "px, worst arcmin\n");
     for (size_t s = 0; s < sizeof SCENES / sizeof *SCENES; s++)
-        if (strstr(SCENES[s].name, only) && (poses > 0 || SCENES[s].poses > 0))
-            failures += look_at_scene(SCENES[s].name, poses > 0 ? poses : SCENES[s].poses,
-                                      poses > 0, (int)s);
+        if (strstr(SCENES[s].name, run.scene) && (run.places > 0 || SCENES[s].places > 0))
+            failures += look_at_scene(SCENES[s].name,
+                                      run.places > 0 ? run.places : SCENES[s].places, (int)s);
     static const char *const SPACES[] = {"h3", "e3", "s3"};
     static const char *const NAMES[] = {"h3, recordings", "e3, recordings", "s3, recordings"};
     for (int s = 0; s < 3; s++)
-        if (strstr(NAMES[s], only))
-            failures +=
-                look_at_recordings(NAMES[s], SPACES[s], poses > 0 ? poses : 1, poses > 0, s);
+        if (strstr(NAMES[s], run.scene))
+            failures += look_at_recordings(NAMES[s], SPACES[s], s);
     probe_close(&probe);
     stage_close(&stage);
     return failures > 0;
