@@ -127,6 +127,8 @@ vec3 finished(Surface d, vec4 p, vec4 n) {
         n = vec4(d.shape.y * u, -float(kappa) * d.shape.x);
     } else if (kappa != 0) {
         p *= inversesqrt(abs(inner(p, p)));
+    } else {
+        p /= p.w;
     }
     n *= inversesqrt(max(inner(n, n), 1e-12));
     float square, nose_square, open = 1.0, lit = 1.0;

@@ -71,12 +71,15 @@ float factor_s3(int image, float t, float w) {
     return (image == 0 ? theta : theta - 2.0 * PI) / r;
 }
 
-// p: a point of the space over rho. The tangent point over rho.
-vec3 tangent_from_nose(int kappa, int image, vec4 p) {
+// p: a point of the space over rho. What its first three coordinates are multiplied by.
+float factor_of(int kappa, int image, vec4 p) {
     float t = dot(p.xyz, p.xyz);
-    if (kappa == 0)
-        return p.xyz;
-    return (kappa > 0 ? factor_s3(image, t, p.w) : factor_h3(t, p.w)) * p.xyz;
+    return kappa == 0 ? 1.0 : kappa > 0 ? factor_s3(image, t, p.w) : factor_h3(t, p.w);
+}
+
+// The tangent point over rho.
+vec3 tangent_from_nose(int kappa, int image, vec4 p) {
+    return kappa == 0 ? p.xyz : factor_of(kappa, image, p) * p.xyz;
 }
 
 // exp in the space that somebody was born in, v over its radius: a multiple of the point, which is

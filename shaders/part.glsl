@@ -27,7 +27,10 @@ layout(location = 4) out vec3 eye_m;
 layout(location = 5) flat out int image_of;
 #endif
 #if defined(FINISH) || defined(GUARD)
-layout(location = 6) out vec4 place; // in the part's coordinates
+// In the part's coordinates, times what log made of the nose-space point: then what lies between a
+// facet's corners is the surface's point that the nose sees in the drawn one's direction, at any level of
+// detail.
+layout(location = 6) out vec4 place;
 layout(location = 7) out vec4 face;
 layout(location = 8) flat out int draw;
 // What a matte fragment needs of its draw: a software device reads a buffer once for each fragment, but
@@ -66,19 +69,24 @@ void main() {
     vec4 p = ball ? vec4(d.shape.x * position.xyz, d.shape.y) : position;
     vec4 q = d.to[eye] * p, clip;
     vec3 t = vec3(0.0), e;
+    float times = 1.0;
     if (mode == TOURIST) {
         // From the eye's antipode, where image 1 is seen from, all four coordinates change sign.
         vec4 s = image == 0 ? q : -q;
         e = s.xyz;
         clip.z = s.w * depth[image].x - e.z * depth[image].y;
     } else if (mode == BORN) {
-        t = rho * tangent_from_nose(kappa, image, q);
-        vec4 s = v.eye_from_tangent * born_from_tangent(born_kappa, t / born_rho);
+        times = factor_of(kappa, image, q);
+        t = rho * times * q.xyz;
+        vec4 born = born_from_tangent(born_kappa, t / born_rho), s = v.eye_from_tangent * born;
+        if (dot(q.xyz, q.xyz) > 0.0)
+            times = length(born.xyz) * inversesqrt(dot(q.xyz, q.xyz));
         s = way == 0 ? s : -s;
         clip.z = s.w * depth[way].x - s.z * depth[way].y;
         e = s.xyz;
     } else {
-        t = rho * tangent_from_nose(kappa, image, q);
+        times = factor_of(kappa, image, q);
+        t = rho * times * q.xyz;
         e = (v.eye_from_tangent * vec4(t, 1.0)).xyz;
         clip.z = near;
     }
@@ -96,8 +104,9 @@ void main() {
         light = shade(d, p, n);
 #endif
 #if defined(FINISH) || defined(GUARD)
-    place = p;
-    face = n;
+    times = min(abs(times), 1e6); // it has no end at the nose seen the long way round
+    place = times * p;
+    face = times * n;
     draw = gl_InstanceIndex;
     if (DRAWS >= MATTE_ONLY) {
         lamp_of = d.lamp;

@@ -243,6 +243,7 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
     size_t used = list->refined.index_count / 3, most = refined_max(params->scene);
     bool fixed = part->kind == AP_PART_SOLID && part->form == AP_FORM_FACETS;
     if (fixed || (held && item->mesh.index_count / 3 <= AHEAD_MAX) || used >= most) {
+        item->beyond = !held;
         list->stats.beyond_bound += !held;
         list->stats.over_budget +=
             !held && !fixed && used >= most && most < refined_cap(params->scene);
@@ -270,9 +271,10 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
     enum ap_status st = ap_refine_part(err, &list->refiner, &refine, part, &list->refined,
                                        &item->mesh, &held, &unseen);
     list->stats.unseen_facets += unseen;
-    list->stats.beyond_bound += st == AP_OK && !held;
+    item->beyond = st == AP_OK && !held;
+    list->stats.beyond_bound += item->beyond;
     bool full = list->refined.index_count / 3 + 1 >= most && most < refined_cap(params->scene);
-    list->stats.over_budget += st == AP_OK && !held && full;
+    list->stats.over_budget += item->beyond && full;
     return st;
 }
 

@@ -15,6 +15,7 @@ struct ap_draw_item {
     enum ap_pipeline_kind pipeline;
     int rank;     // drawn in this order, near before far, so that what is hidden is not shaded
     bool refined; // mesh lies in the list's own data, not in the scene's
+    bool beyond;  // it shows the part farther off than the bound
     struct ap_mesh mesh;
     double far_m; // discs: their order
     struct ap_iso nose_from_part;

@@ -185,7 +185,7 @@ static bool close_enough(const struct work *w, const struct ap_surface_point *a,
     const struct ap_surface *s = &w->surface;
     const struct ap_eyes *eyes = w->params->eyes;
     double bound = SHARE * w->params->max_error_px;
-    if (too_long(w, a, b, m) || !(ap_surface_error_px(s, eyes, a, b, m) <= bound))
+    if (too_long(w, a, b, m) || !(ap_surface_error_px(s, eyes, a, b, 0.5, m) <= bound))
         return false;
     // What runs around an axis as well as along it is seen as an S, whose middle says nothing.
     bool along = fabs(a->along - b->along) > 1e-9,
@@ -193,8 +193,8 @@ static bool close_enough(const struct work *w, const struct ap_surface_point *a,
     if (s->shape != AP_SURFACE_TUBE || !along || !around)
         return true;
     struct ap_surface_point first = ap_surface_middle(s, a, m), last = ap_surface_middle(s, m, b);
-    return ap_surface_error_px(s, eyes, a, b, &first) <= bound &&
-           ap_surface_error_px(s, eyes, a, b, &last) <= bound;
+    return ap_surface_error_px(s, eyes, a, b, 0.25, &first) <= bound &&
+           ap_surface_error_px(s, eyes, a, b, 0.75, &last) <= bound;
 }
 
 static bool cut(struct work *w, const struct ap_surface_point *a, const struct ap_surface_point *b,

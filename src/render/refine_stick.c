@@ -36,7 +36,7 @@ static double edge_px(const struct gauge *g, const struct ap_surface_point *a,
     for (int e = 0; e < 2 && s->mode == AP_VIEW_NATIVE && s->space.kappa != 0; e++)
         if (length(ap_vec3_sub(a->seen[e], b->seen[e])) > length(m.seen[e]))
             return INFINITY;
-    double off = ap_surface_error_px(s, g->eyes, a, b, &m);
+    double off = ap_surface_error_px(s, g->eyes, a, b, 0.5, &m);
     return off >= 0 ? off : INFINITY;
 }
 

@@ -21,11 +21,16 @@ enum ap_surface_shape ap_surface_shape_of(const struct ap_part *part) {
                                                                      : AP_SURFACE_SHEET;
 }
 
+bool ap_surface_is_bare(const struct ap_part *part) {
+    return part->finish <= AP_FINISH_MATTE && ap_surface_shape_of(part) != AP_SURFACE_SHEET;
+}
+
 struct ap_surface ap_surface_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                                 const struct ap_part *part, struct ap_iso nose_from_part,
                                 int image) {
     struct ap_surface s = {.part = part,
                            .shape = ap_surface_shape_of(part),
+                           .bare = ap_surface_is_bare(part),
                            .space = viewer->space,
                            .mode = viewer->mode,
                            .born = ap_viewer_born(viewer),
@@ -175,6 +180,10 @@ static void see_from(struct ap_surface_point *point, int e, struct ap_vec3 seen)
     point->toward[e] = unit(seen);
 }
 
+static double share_of(double across, double shown) {
+    return shown > 0 ? across / shown : 1;
+}
+
 void ap_surface_see(const struct ap_surface *s, struct ap_surface_point *point) {
     double rho = s->space.rho_m;
     if (s->shape != AP_SURFACE_SHEET) {
@@ -189,12 +198,17 @@ void ap_surface_see(const struct ap_surface *s, struct ap_surface_point *point) 
             struct ap_vec4 q = ap_iso_apply(&s->eye_from_part[e], p_m);
             see_from(point, e, ap_vec3_scale(sign, (struct ap_vec3){q.x, q.y, q.z}));
         }
+        point->share = 1;
         return;
     }
-    point->tangent_m = log_of(s->space, ap_iso_apply(&s->nose_from_part, p_m), s->image);
+    struct ap_vec4 nose = ap_iso_apply(&s->nose_from_part, p_m);
+    double across = length((struct ap_vec3){nose.x, nose.y, nose.z});
+    point->tangent_m = log_of(s->space, nose, s->image);
+    point->share = share_of(across, length(point->tangent_m));
     if (s->mode == AP_VIEW_BORN) {
         struct ap_born_point born =
             ap_born_from_tangent(s->born, (struct ap_tangent_point){point->tangent_m});
+        point->share = share_of(across, length((struct ap_vec3){born.x.x, born.x.y, born.x.z}));
         for (int e = 0; e < 2; e++) {
             struct ap_vec4 q = ap_iso_apply(&s->eye_from_part[e], born.x);
             double sign = born.behind ? -1 : 1;
@@ -255,15 +269,13 @@ static double off_chord2(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 m) {
     return ap_vec3_dot(off, off) / ap_vec3_dot(m, m);
 }
 
-// The point of the straight edge that the nose sees in m's direction: that is what a geodesic's
-// point is moved to. The edge's middle where the nose has no direction.
-static struct ap_vec3 radial(struct ap_vec3 a, struct ap_vec3 b, struct ap_vec3 m) {
-    struct ap_vec3 k = ap_vec3_cross(a, b), along = ap_vec3_sub(b, a);
-    double below = ap_vec3_dot(ap_vec3_cross(along, m), k);
-    double t = below != 0 ? -ap_vec3_dot(ap_vec3_cross(a, m), k) / below : 0.5;
-    if (!(ap_vec3_dot(k, k) > 1e-24 * ap_vec3_dot(a, a) * ap_vec3_dot(b, b)))
-        return m; // the geodesic goes through the nose: it is straight
-    return ap_vec3_add(a, ap_vec3_scale(fmin(fmax(t, 0), 1), along));
+// Where an eye sees the place of the straight edge from a to b that stands for the surface at the
+// share k of it: coordinates are interpolated times what log (or exp after it) made of them
+// (shaders/part.glsl), so it is what the nose sees in the direction of that place on the geodesic.
+static struct ap_vec3 drawn(const struct ap_surface_point *a, const struct ap_surface_point *b,
+                            double k, int e) {
+    double x = (1 - k) * a->share, y = k * b->share, sum = x + y;
+    return ap_vec3_add(ap_vec3_scale(x / sum, a->seen[e]), ap_vec3_scale(y / sum, b->seen[e]));
 }
 
 // Pixels a radian at this place of the picture, at most those at its corner.
@@ -274,31 +286,31 @@ static double pixels_at(const struct ap_eyes *eyes, int e, struct ap_vec3 seen) 
     return eyes->pixels[e] * (1 + slope2);
 }
 
-// A sheet's: as the eye sees what the nose sees in m's direction.
-static double off_sheet(const struct ap_surface *s, int e, struct ap_vec3 flat, struct ap_vec3 t) {
-    struct ap_vec3 c = from_view(s, e, flat), x = ap_vec3_cross(c, t), off = ap_vec3_sub(c, t);
-    return atan2(length(x), ap_vec3_dot(c, t)) + (s->any_depth ? 0 : length(off) / length(t) / 4);
-}
-
 double ap_surface_error_px(const struct ap_surface *s, const struct ap_eyes *eyes,
                            const struct ap_surface_point *a, const struct ap_surface_point *b,
-                           const struct ap_surface_point *m) {
+                           double k, const struct ap_surface_point *m) {
     double worst = 0;
     bool native = s->mode == AP_VIEW_NATIVE, sheet = s->shape == AP_SURFACE_SHEET;
     if (sheet && (s->mode == AP_VIEW_TOURIST || (native && s->space.kappa == 0)))
         return 0; // geodesics are straight there
-    sheet &= native;
-    struct ap_vec3 flat = sheet ? radial(a->tangent_m, b->tangent_m, m->tangent_m) : m->tangent_m;
     for (int e = 0; e < 2; e++) {
-        double pixels = pixels_at(eyes, e, m->seen[e]), square;
-        if (sheet) {
-            double angle = off_sheet(s, e, flat, m->seen[e]);
-            square = angle * angle;
-        } else {
-            square = off_line2(a->toward[e], b->toward[e], m->toward[e]);
-            double depth =
-                native && !s->any_depth ? off_chord2(a->seen[e], b->seen[e], m->seen[e]) / 16 : 0;
-            square = depth > square ? depth : square;
+        struct ap_vec3 c = drawn(a, b, k, e), u = m->toward[e], x = ap_vec3_cross(c, u);
+        // Squares: of the angle, by its sine, and of the error in depth.
+        double square = ap_vec3_dot(c, u) > 0 ? ap_vec3_dot(x, x) / ap_vec3_dot(c, c) : 4;
+        double pixels = pixels_at(eyes, e, m->seen[e]);
+        if (s->bare) {
+            double deep = off_chord2(a->seen[e], b->seen[e], m->seen[e]) / 16;
+            // Along itself, too, where s3 stretches it so that its depth is not looked at.
+            double along = native && s->any_depth ? square / 16 : 0;
+            square = fmax(off_line2(a->toward[e], b->toward[e], u), along);
+            square = native && !s->any_depth && deep > square ? deep : square;
+        } else if (native && !s->any_depth) {
+            struct ap_vec3 off = ap_vec3_sub(c, m->seen[e]);
+            double deep = ap_vec3_dot(off, off) / ap_vec3_dot(m->seen[e], m->seen[e]) / 16;
+            if (sheet) // the sum of both
+                square += deep + 2 * sqrt(square * deep);
+            else
+                square = deep > square ? deep : square;
         }
         square *= pixels * pixels;
         worst = square <= worst ? worst : square; // what is no number is the worst

@@ -10,6 +10,10 @@
 enum ap_surface_shape { AP_SURFACE_BALL, AP_SURFACE_TUBE, AP_SURFACE_SHEET };
 enum ap_surface_shape ap_surface_shape_of(const struct ap_part *part);
 
+// Whether it is round and bears no pattern: then a place of it may be drawn elsewhere on it, across
+// its outline's bound by up to four times as much, without anything that shows it.
+bool ap_surface_is_bare(const struct ap_part *part);
+
 // Of a ball and a tube: the place along the axis over rho (a ball's is 0), and the unit vector
 // from there, across a tube but in a stick's caps. Sheets need neither.
 struct ap_surface_point {
@@ -17,6 +21,7 @@ struct ap_surface_point {
     struct ap_vec3 from;
     struct ap_vec4 p;         // in the part's coordinates, over rho
     struct ap_vec3 tangent_m; // relative to the nose; not in tourist view
+    double share; // of the nose-space point, what is seen is a multiple: one over it (tourist: 1)
     struct ap_vec3 seen[2];   // from each eye, in its axes: native metres, else a direction
     struct ap_vec3 toward[2]; // its direction, of length 1
     struct ap_vec3 outward;   // what ap_surface_face gives: native
@@ -26,6 +31,7 @@ struct ap_surface_point {
 struct ap_surface {
     const struct ap_part *part;
     enum ap_surface_shape shape;
+    bool bare;
     struct ap_space space;
     enum ap_view_mode mode;
     struct ap_space born; // of AP_VIEW_BORN
@@ -64,12 +70,13 @@ struct ap_surface_point ap_surface_middle(const struct ap_surface *surface,
 struct ap_vec4 ap_surface_normal(const struct ap_surface *surface,
                                  const struct ap_surface_point *point);
 
-// How many pixels of an eye's picture lie between the surface at m, a place of it between a and b
-// (sheets: the middle), and the straight edge from a to b; a quarter of the error in depth counts
-// (added in a sheet's case), as it shows where surfaces meet. The larger of the two eyes.
+// How many pixels of an eye's picture lie between the surface at m, and the place of the straight
+// edge from a to b that stands for it (of what is bare: any place of the edge); m: the middle, or
+// (round surfaces) about the share k of the way. A quarter of the error in depth counts (added in a
+// sheet's case), as it shows where surfaces meet. The larger of the two eyes.
 double ap_surface_error_px(const struct ap_surface *surface, const struct ap_eyes *eyes,
                            const struct ap_surface_point *a, const struct ap_surface_point *b,
-                           const struct ap_surface_point *m);
+                           double k, const struct ap_surface_point *m);
 
 // Whether three points, and what the surface bulges between them, lie outside one side of the
 // picture, for each eye. False in native-of view, and where they are far apart.
