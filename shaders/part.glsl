@@ -112,7 +112,7 @@ void main() {
         lamp_of = d.lamp;
         nose_of = d.nose;
         shape_of = d.shape;
-        root_of = d.root;
+        root_of = vec4(d.root.rgb, lamp_light.x);
     }
 #endif
 #ifdef GUARD

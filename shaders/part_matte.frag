@@ -14,7 +14,7 @@ layout(location = 7) in vec4 face;
 layout(location = 9) flat in vec4 lamp;
 layout(location = 10) flat in vec4 nose;
 layout(location = 11) flat in vec4 shape;
-layout(location = 12) flat in vec4 root;
+layout(location = 12) flat in vec4 root; // and the lamp's reach, as lamp_light.x
 layout(location = 0) out vec4 result;
 
 // n times the geodesic's direction from p to q, but for the factor S of its length, whose square comes
@@ -43,7 +43,7 @@ void main() {
     if (kappa > 0 && (int(shape.w) & 1) == 1)
         facing = -facing; // seen the long way round
     float near = inversesqrt(square), unit = DRAWS == PLANES ? 1.0 : inversesqrt(shorter);
-    float fall = min(lamp_light.x * near * near, BRIGHTEST);
+    float fall = min(root.w * near * near, BRIGHTEST);
     float strength = AMBIENT + FILL * max(0.0, facing) * inversesqrt(nose_square * shorter) +
                      LAMP * max(0.0, direct) * near * unit * fall;
     result = written_lit(color.rgb, root.rgb, strength);

@@ -1,9 +1,6 @@
 #version 450
 
-// The mean of so many pixels of a larger picture, whose numbers are codes of sRGB (coded.glsl).
-
-layout(constant_id = 0) const int LAYOUT = 513; // 1 + 256 · such pixels to each side
-const int ACROSS = LAYOUT >> 8;
+// The mean of two by two pixels of a larger picture, whose numbers are codes of sRGB (coded.glsl).
 
 layout(set = 0, binding = 0) uniform usampler2DArray codes;
 layout(push_constant) uniform Push {
@@ -23,10 +20,9 @@ vec3 linear_of(uint code) {
 }
 
 void main() {
-    ivec2 from = ACROSS * ivec2(gl_FragCoord.xy);
-    vec3 sum = vec3(0.0);
-    for (int j = 0; j < ACROSS; j++)
-        for (int i = 0; i < ACROSS; i++)
-            sum += linear_of(texelFetch(codes, ivec3(from + ivec2(i, j), layer), 0).r);
-    result = vec4(sum / float(ACROSS * ACROSS), 1.0);
+    // gl_FragCoord is a pixel's middle, the corner that its four share.
+    vec2 corner = 2.0 * gl_FragCoord.xy / vec2(textureSize(codes, 0).xy);
+    uvec4 four = textureGather(codes, vec3(corner, layer));
+    vec3 sum = linear_of(four.x) + linear_of(four.y) + linear_of(four.z) + linear_of(four.w);
+    result = vec4(0.25 * sum, 1.0);
 }

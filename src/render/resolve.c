@@ -53,7 +53,10 @@ static enum ap_status create_render_pass(struct ap_error *err, const struct ap_g
 
 static enum ap_status create_layouts(struct ap_error *err, const struct ap_gpu *gpu,
                                      struct ap_resolve *r) {
-    VkSamplerCreateInfo sampler = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+    VkSamplerCreateInfo sampler = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+                                   .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                   .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                   .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
     enum ap_status st = ap_vk_check(err, vkCreateSampler(gpu->device, &sampler, NULL, &r->sampler),
                                     "vkCreateSampler");
     if (st != AP_OK)
