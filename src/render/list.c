@@ -194,9 +194,10 @@ static size_t refined_cap(const struct ap_scene *scene) {
 }
 
 // What the budget has room for, at some 128 bytes each for what the list and two frames hold, room
-// to grow included.
+// to grow included: a quarter, three where the cells that there are need next to nothing of it.
 static size_t refined_max(const struct ap_scene *scene) {
-    size_t most = ap_scene_budget(scene) / 4 / 128, cap = refined_cap(scene);
+    bool finite = scene->honeycomb && scene->honeycomb->tiling.cell_count > 0;
+    size_t most = ap_scene_budget(scene) / 4 * (finite ? 3 : 1) / 128, cap = refined_cap(scene);
     return most < cap ? most : cap;
 }
 
@@ -212,7 +213,7 @@ static bool holds_after_all(const struct ap_list_params *params, const struct ap
         &params->meshes->shapes[params->meshes->shape_of_part[item->part]];
     int level;
     if (part->kind != AP_PART_SOLID || part->form == AP_FORM_FACETS ||
-        viewer->mode == AP_VIEW_BORN || ap_is_stretched(viewer, place, item->image) ||
+        viewer->mode == AP_VIEW_BORN ||
         !ap_choose_level(viewer, params->eyes, part, shape, place, item->image,
                          NEARLY * params->max_error_px, &level))
         return false;
@@ -237,8 +238,14 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
         &params->meshes->shapes[params->meshes->shape_of_part[item->part]];
     int level;
     bool held = ap_choose_level(viewer, params->eyes, part, shape, place, item->image,
-                                params->max_error_px, &level) ||
-                holds_after_all(params, place, list, item);
+                                params->max_error_px, &level);
+    // Facets that may be off in depth are fewer, and surfaces meet where they ought to.
+    bool stretched = ap_is_stretched(viewer, place, item->image) && !part->apart &&
+                     ap_part_form(part) != AP_FORM_FACETS;
+    if (!held && holds_after_all(params, place, list, item)) {
+        held = true;
+        item->pipeline = stretched ? exact(item->pipeline) : item->pipeline;
+    }
     item->mesh = shape->mesh[level];
     size_t used = list->refined.index_count / 3, most = refined_max(params->scene);
     bool fixed = part->kind == AP_PART_SOLID && part->form == AP_FORM_FACETS;
@@ -249,9 +256,6 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
             !held && !fixed && used >= most && most < refined_cap(params->scene);
         return AP_OK;
     }
-    // Facets that may be off in depth are fewer, and surfaces meet where they ought to.
-    bool stretched = ap_is_stretched(viewer, place, item->image) && !part->apart &&
-                     ap_part_form(part) != AP_FORM_FACETS;
     if (stretched)
         item->pipeline = exact(item->pipeline);
     const struct ap_refine_params refine = {

@@ -14,6 +14,7 @@ static const double SHARE = 0.75; // of the bound: what an edge's middle may use
 static const double DEPTH_SHARE = 0.02;
 // How far turned away something must be, and how much more where its normals differ: cosines.
 static const double TURNED_AWAY = 0.01, TURNED_SHARE = 0.25;
+static const double TURNED_REACH = 0.25; // in s3, over rho: how large it may look at most
 static const uint32_t NOT_CUT = UINT32_MAX;
 enum {
     AROUND = 8,
@@ -264,8 +265,14 @@ static bool turned_away(const struct work *w, const struct triangle *t) {
         p[i] = &w->r->nodes[t->corner[i]].point;
     if (w->surface.mode == AP_VIEW_TOURIST)
         return tourist_turned_away(w, p);
-    for (int i = 0; i < 3; i++)
-        span = fmax(span, length(ap_vec3_sub(p[i]->outward, p[(i + 1) % 3]->outward)));
+    // About an antipode tangent space turns by any angle between corners that hardly differ.
+    double reach = w->surface.space.kappa > 0 ? TURNED_REACH * w->surface.space.rho_m : INFINITY;
+    for (int i = 0; i < 3; i++) {
+        const struct ap_surface_point *q = p[(i + 1) % 3];
+        span = fmax(span, length(ap_vec3_sub(p[i]->outward, q->outward)));
+        if (!(length(ap_vec3_sub(p[i]->tangent_m, q->tangent_m)) < reach))
+            return false;
+    }
     for (int e = 0; e < 2; e++)
         for (int i = 0; i < 3; i++) {
             struct ap_vec3 sight = ap_vec3_sub(p[i]->tangent_m, w->surface.eye_m[e]);

@@ -230,11 +230,20 @@ static double outside(const struct ap_facet_corner *const c[3], const double q[2
     return ap_exact_outside(q, c[0]->px, c[1]->px, c[2]->px);
 }
 
+// Whether a line of sight enters there: farther on it is below the surface.
+static bool faces(const struct look *l, int e, struct ap_vec4 truth) {
+    double step_m = 1e-6 * l->space.rho_m, gap;
+    struct spot spot;
+    if (l->tourist && l->item->image) // the long way round sight goes toward the eye
+        step_m = -step_m;
+    return spot_of(l, along_sight(l, e, truth, step_m), &spot, &gap) && gap < 0;
+}
+
 // A point of the surface; a neighbour of its own triangle may well show it.
 static double uncovered(struct look *l, int e, const struct ap_facet_corner *const corner[3],
                         struct ap_vec4 at) {
     double q[2], bound = LOOK_CLOSER * l->params->max_error_px;
-    if (!pixel(l, e, seen(l, e, at), q))
+    if (!pixel(l, e, seen(l, e, at), q) || !faces(l, e, at))
         return -1;
     double least = outside(corner, q);
     if (least == INFINITY || least <= bound || !know_corners(l))
