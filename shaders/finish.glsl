@@ -4,27 +4,33 @@
 layout(set = 0, binding = 2) uniform sampler2DArray decals; // coverage; a layer a text
 
 // On the surface that takes them: balls that cast a shadow, and the mouths of pockets; their middles
-// in its coordinates, and S of their radii, 0 where there is none. In a uniform buffer, and looked at
-// by loops of a fixed length: what every pixel needs is then read once for many.
-const int SHADOWS = 16, MOUTHS = 8;
+// in its coordinates, and S of their radii, 0 where there is none, and 1/S² of the mouths'. In a
+// uniform buffer, and looked at by loops whose length is fixed when a pipeline is made: what every
+// pixel needs is then read once for many. MARKS: so many of each as the scene has, 256·mouths.
+const int SHADOWS_MAX = 16, MOUTHS_MAX = 8;
+layout(constant_id = 5) const int MARKS = SHADOWS_MAX + 256 * MOUTHS_MAX;
+const int SHADOWS = MARKS & 255, MOUTHS = MARKS >> 8;
 layout(std140, set = 0, binding = 3) uniform Marks {
-    vec4 mark_at[SHADOWS + MOUTHS];
-    vec4 mark_sine[(SHADOWS + MOUTHS) / 4];
+    vec4 mark_at[SHADOWS_MAX + MOUTHS_MAX];
+    vec4 mark_sine[(SHADOWS_MAX + MOUTHS_MAX) / 4];
+    vec4 mouth_inverse[MOUTHS_MAX / 4];
 };
 
-float hash(ivec3 v) {
-    uint n = uint(v.x) * 1597334677u ^ uint(v.y) * 3812015801u ^ uint(v.z) * 2798796415u;
+float hashed(uint n) {
     n = (n ^ (n >> 15)) * 2246822519u;
     n ^= n >> 13;
     return float(n & 0xffffffu) / 16777215.0;
 }
 
-// Smooth, −1…1, of a mean near 0.
+// Smooth, −1…1, of a mean near 0. A corner's number is its coordinates' products with large primes,
+// of which the next one's are a sum away: products of integers are the dearest here.
 float noise(vec2 x, int layer) {
+    const uint ACROSS = 1597334677u, UP = 3812015801u;
     vec2 f = fract(x), s = f * f * (3.0 - 2.0 * f);
-    ivec3 i = ivec3(ivec2(floor(x)), layer);
-    float low = mix(hash(i), hash(i + ivec3(1, 0, 0)), s.x);
-    float high = mix(hash(i + ivec3(0, 1, 0)), hash(i + ivec3(1, 1, 0)), s.x);
+    ivec2 i = ivec2(floor(x));
+    uint a = uint(i.x) * ACROSS, b = uint(i.y) * UP, c = uint(layer) * 2798796415u;
+    float low = mix(hashed(a ^ b ^ c), hashed((a + ACROSS) ^ b ^ c), s.x);
+    float high = mix(hashed(a ^ (b + UP) ^ c), hashed((a + ACROSS) ^ (b + UP) ^ c), s.x);
     return 2.0 * mix(low, high, s.y) - 1.0;
 }
 
@@ -70,7 +76,7 @@ vec3 ball_color(vec3 color, vec3 u, float pixel, bool striped, float decal) {
 // of its direction times sin² of its angular radius (exact for a ball wholly above the plane), and of
 // the lamp, a disc of light, what lies within that radius. All angles are of geodesics at p.
 void shadows(vec4 p, vec4 n, vec4 to_lamp, float square, inout float open, inout float lit) {
-    float lamp_sine = lamp_light.y * inversesqrt(square);
+    float sharp = 0.5 * sqrt(square) / lamp_light.y; // of the lamp's sine, half the inverse
     for (int i = 0; i < SHADOWS; i++) {
         // n and to_lamp are tangent at p, so their products with the ball's middle are those with the
         // direction to it, times S of its distance.
@@ -78,11 +84,13 @@ void shadows(vec4 p, vec4 n, vec4 to_lamp, float square, inout float open, inout
         float c = inner(p, mark_at[i]);
         float far = kappa == 0 ? dot(to_ball.xyz, to_ball.xyz) : float(kappa) * (1.0 - c * c);
         float near = inversesqrt(max(far, 1e-9));
-        float s = min(mark_sine[i / 4][i % 4] * near, 1.0), cosine = sqrt(1.0 - s * s);
+        float s = min(mark_sine[i / 4][i % 4] * near, 1.0);
         open -= max(0.0, inner(n, to_ball) * near) * s * s;
         float along = clamp(inner(to_ball, to_lamp) * near, -1.0, 1.0);
-        float beyond = sqrt(1.0 - along * along) * cosine - along * s; // sine of the angle past its rim
-        lit *= s > 0.0 ? smoothstep(-lamp_sine, lamp_sine, beyond) : 1.0;
+        // The sine of the angle past its rim.
+        float beyond = sqrt((1.0 - along * along) * (1.0 - s * s)) - along * s;
+        float share = clamp(beyond * sharp + 0.5, 0.0, 1.0);
+        lit *= s > 0.0 ? share * share * (3.0 - 2.0 * share) : 1.0;
     }
     open = max(open, 0.0);
 }
@@ -91,11 +99,13 @@ void shadows(vec4 p, vec4 n, vec4 to_lamp, float square, inout float open, inout
 vec3 pockets(vec3 color, vec4 p, float pixel) {
     // Of all mouths the one that is nearest in terms of its radius.
     float soft = max(pixel, 1e-4), nearest = 1e9, rim = 0.0;
-    for (int i = SHADOWS; i < SHADOWS + MOUTHS; i++) {
+    for (int k = 0; k < MOUTHS; k++) {
+        int i = SHADOWS_MAX + k;
         vec4 way = mark_at[i] - p;
         float c = inner(p, mark_at[i]);
         float far = kappa == 0 ? dot(way.xyz, way.xyz) : float(kappa) * (1.0 - c * c);
-        float sine = mark_sine[i / 4][i % 4], ratio = max(far, 0.0) / max(sine * sine, 1e-12);
+        float sine = mark_sine[i / 4][i % 4];
+        float ratio = max(far, 0.0) * mouth_inverse[k / 4][k % 4];
         bool there = sine > 0.0 && (kappa <= 0 || c > 0.0) && ratio < nearest;
         nearest = there ? ratio : nearest;
         rim = there ? sine * rho : rim;

@@ -37,6 +37,7 @@ struct ap_gpu_draw {
 enum { AP_SHADOWS_MAX = 16, AP_MARKS_MAX = AP_SHADOWS_MAX + AP_MOUTHS_MAX };
 struct ap_gpu_marks {
     float at[AP_MARKS_MAX][4], sine[AP_MARKS_MAX];
+    float mouth_inverse[AP_MOUTHS_MAX]; // 1/S² of a mouth's radius
 };
 
 // The eyes, as far as they do not depend on what is drawn.

@@ -428,6 +428,13 @@ static void set_mark(struct ap_space space, struct ap_vec4 at, double radius_m, 
     marks->sine[k] = (float)ap_space_sin(space, radius_m / space.rho_m);
 }
 
+int32_t ap_draw_list_marks(const struct ap_scene *scene) {
+    int32_t shadows = 0;
+    for (size_t i = 0; i < scene->part_count && shadows < AP_SHADOWS_MAX; i++)
+        shadows += scene->parts[i].casts_shadow;
+    return shadows + 256 * scene->mouth_count;
+}
+
 // In the coordinates of the part that takes them: what is near there has small ones.
 static void write_marks(const struct ap_scene *scene, const struct ap_part *taker,
                         struct ap_gpu_marks *marks) {
@@ -442,9 +449,12 @@ static void write_marks(const struct ap_scene *scene, const struct ap_part *take
         struct ap_iso at = ap_iso_mul(part_from_world, p->carrier_from_part);
         set_mark(space, ap_iso_apply(&at, base), p->radius_m, k++, marks);
     }
-    for (int i = 0; i < scene->mouth_count; i++)
+    for (int i = 0; i < scene->mouth_count; i++) {
+        const float *sine = &marks->sine[AP_SHADOWS_MAX + i];
         set_mark(space, ap_iso_apply(&part_from_world, scene->mouths[i].at),
                  scene->mouths[i].radius_m, AP_SHADOWS_MAX + i, marks);
+        marks->mouth_inverse[i] = 1 / fmaxf(*sine * *sine, 1e-12F);
+    }
 }
 
 // Linear colours: the background's and those of the part at hand, of which many may follow.

@@ -82,6 +82,9 @@ void ap_draw_list_write(const struct ap_scene *scene, const struct ap_frame_inpu
                         const struct ap_eyes *eyes, const struct ap_draw_list *list,
                         struct ap_gpu_draw *draws, struct ap_gpu_marks *marks);
 
+// How many of each mark a scene has at most: shadows + 256·mouths.
+int32_t ap_draw_list_marks(const struct ap_scene *scene);
+
 // An sRGB component, 0…1, as linear light.
 float ap_linear_color(double srgb);
 

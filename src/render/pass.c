@@ -178,7 +178,8 @@ static enum ap_status create_pipeline(struct ap_error *err, const struct ap_gpu 
     struct ap_pipeline_params pipeline = {
         .vertex = pass->shader[2 * set],
         .fragment = pass->shader[2 * set + 1],
-        .constant = {draws, world.kappa, world.mode, world.born_kappa, params->coded},
+        .constant = {draws, world.kappa, world.mode, world.born_kappa, params->coded,
+                     params->marks},
         .input = &input,
         .width = params->width,
         .height = params->height,

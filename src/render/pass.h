@@ -48,6 +48,7 @@ struct ap_pass_params {
     VkSampleCountFlagBits samples;
     bool coded;    // the image holds sRGB codes as plain numbers, written and read by the shaders
     bool straight; // into somebody else's image, in which it stays: none of its own
+    int32_t marks; // MARKS of shaders/finish.glsl
     VkPipelineLayout layout;
 };
 

@@ -29,9 +29,9 @@ enum ap_status ap_pipeline_create(struct ap_error *err, const struct ap_gpu *gpu
     VkPipelineShaderStageCreateInfo stages[2] = {
         stage(VK_SHADER_STAGE_VERTEX_BIT, params->vertex),
         stage(VK_SHADER_STAGE_FRAGMENT_BIT, params->fragment)};
-    static const VkSpecializationMapEntry entries[5] = {
-        {0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}, {4, 16, 4}};
-    const VkSpecializationInfo constants = {5, entries, sizeof params->constant, params->constant};
+    static const VkSpecializationMapEntry entries[6] = {{0, 0, 4},  {1, 4, 4},  {2, 8, 4},
+                                                        {3, 12, 4}, {4, 16, 4}, {5, 20, 4}};
+    const VkSpecializationInfo constants = {6, entries, sizeof params->constant, params->constant};
     stages[0].pSpecializationInfo = stages[1].pSpecializationInfo = &constants;
     VkViewport viewport = {0, 0, (float)params->width, (float)params->height, 0, 1};
     VkRect2D scissor = {{0, 0}, {params->width, params->height}};

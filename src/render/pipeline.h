@@ -6,7 +6,7 @@
 // A graphics pipeline for triangles, one colour attachment.
 struct ap_pipeline_params {
     VkShaderModule vertex, fragment;
-    int32_t constant[5]; // of both shaders' constant_id 0 to 4, where they have them
+    int32_t constant[6]; // of both shaders' constant_id 0 to 5, where they have them
     const VkPipelineVertexInputStateCreateInfo *input; // NULL: no vertex buffers
     uint32_t width, height;
     VkSampleCountFlagBits samples;

@@ -450,6 +450,7 @@ static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r,
                                     r->samples,
                                     r->coded,
                                     r->straight,
+                                    ap_draw_list_marks(r->scene),
                                     r->layout};
     enum ap_status st = AP_OK;
     if (!r->pass[both].render_pass) {
