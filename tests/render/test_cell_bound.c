@@ -234,7 +234,9 @@ int main(int argc, char **argv) {
         for (int i = 0; i < SCENES[s].places; i++)
             look(&world, i, SCENES[s].max_error_px, &t);
         tell(world.name, SCENES[s].max_error_px, &t);
-        failures += is_bad(SCENES[s].max_error_px, &t) || t.given_up > 0;
+        // In s3 surfaces may pass next to the nose's antipode, which is seen everywhere at once.
+        int allowed = world.scene->space.kappa > 0;
+        failures += is_bad(SCENES[s].max_error_px, &t) || t.given_up > allowed;
         close_world(&world);
     }
     return failures;
