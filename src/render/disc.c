@@ -7,7 +7,9 @@
 static const double PI = 3.14159265358979323846;
 // Exact points of the outline; cubic pieces between them are within 2e-6 of its size.
 enum { POINTS = 40, PIECES_MAX = 24, RINGS = 4 };
-static const double BAND_PX = 1.5; // on either side of the rim
+static const double BAND_PX = 1.5; // on either side of the rim, inside at most half of the way
+// A pixel farther inside than half its diagonal is covered whole, so half the way must be more.
+static const double LEAST_PX = 1.6;
 static const double SAGITTA_PX = 0.01;
 static const double RING[RINGS] = {0.95, 0.8, 0.5, 0}; // of the way from the middle to the rim
 
@@ -29,7 +31,7 @@ struct disc {
     struct ap_pose eye_from_view;
     double px_per_a, px_per_b;
     struct rim rim[POINTS];
-    double middle_i, middle_j, radius_px;
+    double middle_i, middle_j, radius_px, inner_px;
     struct depth nearest;
 };
 
@@ -97,7 +99,8 @@ static bool find_rim(struct disc *d) {
         if (!isfinite(r) || !isfinite(d->rim[k].depth.w) || !(d->rim[k].depth.ahead > AP_NEAR_M))
             return false;
     }
-    return least > 2 * BAND_PX && isfinite(d->nearest.w) && d->nearest.ahead > AP_NEAR_M;
+    d->inner_px = fmin(BAND_PX, least / 2);
+    return least > LEAST_PX && isfinite(d->nearest.w) && d->nearest.ahead > AP_NEAR_M;
 }
 
 // --- triangles
@@ -124,38 +127,48 @@ static double slope(const struct disc *d, int k, bool j) {
     return (x[0] - 8 * x[1] + 8 * x[2] - x[3]) / 12;
 }
 
-// The outline at t of the way from point k to the next, and the way it goes there.
-static void curve(const struct disc *d, int k, double t, double *at, double *along, bool j) {
+// The outline at t of the way from point k to the next, the way it goes there and how that turns.
+struct curve {
+    double at, along, turn;
+};
+
+static struct curve curve(const struct disc *d, int k, double t, bool j) {
     const struct rim *a = &d->rim[k], *b = &d->rim[(k + 1) % POINTS];
     double p = j ? a->j : a->i, q = j ? b->j : b->i, u = slope(d, k, j),
            v = slope(d, (k + 1) % POINTS, j);
     double c2 = 3 * (q - p) - 2 * u - v, c3 = 2 * (p - q) + u + v;
-    *at = p + t * (u + t * (c2 + t * c3));
-    *along = u + t * (2 * c2 + 3 * t * c3);
+    return (struct curve){p + t * (u + t * (c2 + t * c3)), u + t * (2 * c2 + 3 * t * c3),
+                          2 * c2 + 6 * t * c3};
+}
+
+// The shader takes the rim for straight where it meets a pixel. On the average over a pixel's width
+// it lies so much farther in, in pixels: the mean of x^2/2 over the radius of its bend.
+static double bulge_px(struct curve i, struct curve j) {
+    double speed = hypot(i.along, j.along);
+    return fmin(fabs(i.along * j.turn - j.along * i.turn) / (24 * speed * speed * speed), 0.05);
 }
 
 // The vertices of one spoke: outside the rim, inside it, then inward to the middle.
 static enum ap_status spoke(struct ap_error *err, const struct disc *d, struct ap_mesh_data *data,
                             int k, double t) {
-    double i, j, di, dj;
-    curve(d, k, t, &i, &di, false);
-    curve(d, k, t, &j, &dj, true);
-    double length = hypot(di, dj), ni = dj / length, nj = -di / length;
+    struct curve ci = curve(d, k, t, false), cj = curve(d, k, t, true);
+    double i = ci.at, j = cj.at, length = hypot(ci.along, cj.along), bulge_out = bulge_px(ci, cj);
+    double ni = cj.along / length, nj = -ci.along / length;
     if (ni * (i - d->middle_i) + nj * (j - d->middle_j) < 0)
         ni = -ni, nj = -nj;
     const struct depth *a = &d->rim[k].depth, *b = &d->rim[(k + 1) % POINTS].depth;
     struct depth edge = {a->ahead + t * (b->ahead - a->ahead), a->w + t * (b->w - a->w)};
     enum ap_status st =
-        vertex(err, d, data, i + BAND_PX * ni, j + BAND_PX * nj, BAND_PX, ni, nj, edge);
-    double in_i = i - BAND_PX * ni, in_j = j - BAND_PX * nj;
+        vertex(err, d, data, i + BAND_PX * ni, j + BAND_PX * nj, BAND_PX + bulge_out, ni, nj, edge);
+    double in_i = i - d->inner_px * ni, in_j = j - d->inner_px * nj;
     if (st == AP_OK)
-        st = vertex(err, d, data, in_i, in_j, -BAND_PX, ni, nj, edge);
+        st = vertex(err, d, data, in_i, in_j, bulge_out - d->inner_px, ni, nj, edge);
     for (int ring = 0; st == AP_OK && ring < RINGS; ring++) {
         double f = RING[ring], bulge = sqrt(1 - f * f);
         struct depth depth = {edge.ahead + bulge * (d->nearest.ahead - edge.ahead),
                               edge.w + bulge * (d->nearest.w - edge.w)};
         st = vertex(err, d, data, d->middle_i + f * (in_i - d->middle_i),
-                    d->middle_j + f * (in_j - d->middle_j), -BAND_PX, ni, nj, depth);
+                    d->middle_j + f * (in_j - d->middle_j), -d->inner_px, ni, nj, depth);
     }
     return st;
 }
