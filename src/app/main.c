@@ -1,4 +1,6 @@
+#include <errno.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,6 +27,17 @@ static void print_help(FILE *out) {
             "errors or\ndifferences; 2 usage; 3 input; 4 environment.\n");
 }
 
+// What was printed has left only once it is flushed: a full disk may show itself no earlier.
+static enum ap_status finish_output(enum ap_status st) {
+    errno = 0;
+    bool lost = fflush(stdout) || ferror(stdout);
+    if (st || !lost)
+        return st; // who failed has said so
+    ap_log(AP_LOG_ERROR, "cannot write to standard output%s%s", errno ? ": " : "",
+           errno ? strerror(errno) : "");
+    return AP_ENVIRONMENT;
+}
+
 int main(int argc, char **argv) {
     // A reader that goes away (`antipode track … | head`) is a write error, told as one.
     signal(SIGPIPE, SIG_IGN);
@@ -40,11 +53,11 @@ int main(int argc, char **argv) {
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
         print_help(stdout);
-        return AP_OK;
+        return (int)finish_output(AP_OK);
     }
     if (strcmp(argv[1], "--version") == 0) {
         printf("antipode %s\n", ANTIPODE_VERSION);
-        return AP_OK;
+        return (int)finish_output(AP_OK);
     }
     for (int i = 0; i < COMMAND_COUNT; i++) {
         if (strcmp(argv[1], commands[i]->name) != 0)
@@ -53,7 +66,7 @@ int main(int argc, char **argv) {
         enum ap_status st = commands[i]->run(&err, argc - 1, argv + 1);
         if (st && err.text[0])
             ap_log(AP_LOG_ERROR, "%s: %s", commands[i]->name, err.text);
-        return (int)st;
+        return (int)finish_output(st);
     }
     ap_log(AP_LOG_ERROR, "no command '%s' (see antipode --help)", argv[1]);
     return AP_USAGE;

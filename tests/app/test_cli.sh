@@ -20,6 +20,17 @@ for c in $commands; do
 	[ ! -s "$work/missing" ] || fail "the man page misses: $(tr '\n' ';' <"$work/missing")"
 	expect 2 'unknown option --nonsense' "$antipode" "$c" --nonsense
 done
+# What cannot be printed is not silently lost.
+if [ -c /dev/full ]; then
+	for c in --help --version 'track --help' walk; do
+		status=0
+		# shellcheck disable=SC2086
+		"$antipode" $c >/dev/full 2>"$work/stderr" || status=$?
+		[ "$status" = 4 ] || fail "$c on a full disk: status $status, expected 4"
+		[ "$(grep -c 'cannot write to standard output' "$work/stderr")" = 1 ] ||
+			fail "$c on a full disk says: $(cat "$work/stderr")"
+	done
+fi
 expect 2 '--space: expected one of h3.s3.e3' "$antipode" track --space x9 log
 expect 2 '--radius: expected a number' "$antipode" track --radius nan log
 expect 2 'a value is missing' "$antipode" track --space
