@@ -174,7 +174,8 @@ static enum ap_status spoke(struct ap_error *err, const struct disc *d, struct a
 }
 
 enum ap_status ap_disc_append(struct ap_error *err, const struct ap_disc_params *params, int eye,
-                              struct ap_mesh_data *data, uint32_t first_vertex, bool *made) {
+                              struct ap_mesh_data *data, uint32_t first_vertex,
+                              enum ap_disc_made *made) {
     const struct ap_viewer *v = params->viewer;
     const struct ap_frustum *f = &v->eye[eye].frustum;
     struct disc d = {.params = params,
@@ -183,13 +184,17 @@ enum ap_status ap_disc_append(struct ap_error *err, const struct ap_disc_params 
                      .eye_from_view = ap_pose_inverse(v->eye[eye].view_from_eye),
                      .px_per_a = params->width_px / (f->right - f->left),
                      .px_per_b = params->height_px / (f->up - f->down)};
-    *made = find_rim(&d);
+    *made = find_rim(&d) ? AP_DISC_MADE : AP_DISC_UNFIT;
     if (!*made)
         return AP_OK;
     double spokes = PI * sqrt(d.radius_px / (2 * SAGITTA_PX));
     int pieces = (int)fmin(fmax(1, ceil(spokes / POINTS)), PIECES_MAX), count = POINTS * pieces;
     enum ap_status st = AP_OK;
     uint32_t base = (uint32_t)data->vertex_count - first_vertex, each = RINGS + 2;
+    if ((size_t)count * (2 * each - 3) > params->triangles_max) {
+        *made = AP_DISC_NO_ROOM;
+        return AP_OK;
+    }
     for (int n = 0; st == AP_OK && n < count; n++)
         st = spoke(err, &d, data, n / pieces, (double)(n % pieces) / pieces);
     for (int n = 0; st == AP_OK && n < count; n++)

@@ -15,13 +15,17 @@ struct ap_disc_params {
     struct ap_vec4 world_centre;
     double radius_m;
     int image;
+    size_t triangles_max; // more: AP_DISC_NO_ROOM
 };
+
+enum ap_disc_made { AP_DISC_UNFIT, AP_DISC_MADE, AP_DISC_NO_ROOM };
 
 // Appends the disc that one eye sees, for shaders/disc.glsl: position = (a, b, how far ahead, w), a
 // and b the tangents of the direction, w that of tourist depth; normal = (pixels inside the rim,
-// the rim's normal in pixels, eye). *made false: the eye is too near, or what it sees is less than
-// three pixels across; draw a mesh. AP_ENVIRONMENT: no memory.
+// the rim's normal in pixels, eye). Else nothing is appended, draw a mesh: *made AP_DISC_UNFIT, the
+// eye is too near or what it sees is less than three pixels across. AP_ENVIRONMENT: no memory.
 enum ap_status ap_disc_append(struct ap_error *err, const struct ap_disc_params *params, int eye,
-                              struct ap_mesh_data *data, uint32_t first_vertex, bool *made);
+                              struct ap_mesh_data *data, uint32_t first_vertex,
+                              enum ap_disc_made *made);
 
 #endif

@@ -291,13 +291,14 @@ static enum ap_status add_disc(struct ap_error *err, const struct ap_list_params
     const struct ap_part *part = &params->scene->parts[item->part];
     struct ap_vec4 base = {0, 0, 0, viewer->space.rho_m};
     struct ap_vec4 centre = ap_iso_apply(&item->nose_from_part, base);
-    const struct ap_disc_params disc = {.viewer = viewer,
-                                        .width_px = params->width_px,
-                                        .height_px = params->height_px,
-                                        .world_centre =
-                                            ap_iso_apply(&viewer->world_from_nose, centre),
-                                        .radius_m = part->radius_m,
-                                        .image = item->image};
+    struct ap_disc_params disc = {.viewer = viewer,
+                                  .width_px = params->width_px,
+                                  .height_px = params->height_px,
+                                  .world_centre = ap_iso_apply(&viewer->world_from_nose, centre),
+                                  .radius_m = part->radius_m,
+                                  .image = item->image};
+    size_t most = refined_max(params->scene);
+    bool bounded = most < refined_cap(params->scene), full = false;
     struct ap_draw_item drawn = *item;
     drawn.eyes = 0;
     drawn.pipeline = AP_PIPELINE_DISC;
@@ -306,11 +307,15 @@ static enum ap_status add_disc(struct ap_error *err, const struct ap_list_params
     drawn.mesh = ap_mesh_data_begin(&list->refined);
     enum ap_status st = AP_OK;
     for (int e = 0; st == AP_OK && e < 2; e++) {
-        bool made = false;
+        enum ap_disc_made made = AP_DISC_UNFIT;
+        size_t used = list->refined.index_count / 3;
+        disc.triangles_max = !bounded ? SIZE_MAX : used < most ? most - used : 0;
         if (item->eyes >> e & 1)
             st = ap_disc_append(err, &disc, e, &list->refined, drawn.mesh.first_vertex, &made);
-        drawn.eyes |= made ? 1u << e : 0;
+        drawn.eyes |= made == AP_DISC_MADE ? 1u << e : 0;
+        full |= made == AP_DISC_NO_ROOM;
     }
+    list->stats.over_budget += full;
     *of = 3 & ~drawn.eyes;
     item->eyes &= ~drawn.eyes;
     if (st != AP_OK || drawn.eyes == 0)
