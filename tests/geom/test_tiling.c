@@ -193,11 +193,41 @@ static void pairings_are_checked(void **state) {
     says(ap_pairing_from_faces(&err, &tiling, bad, 3, &at, &q), AP_INPUT, &err, "round its edge");
 }
 
+// Files of face pairings rely on it, and docs/honeycombs.md tells it.
+static void faces_are_numbered_as_documented(void **state) {
+    (void)state;
+    static const int cube[6][5] = {{2, 4, 3, 1}, {3, 5, 2, 0}, {1, 5, 4, 0},
+                                   {4, 5, 1, 0}, {2, 5, 3, 0}, {3, 4, 2, 1}};
+    static const int dodecahedron[12][5] = {{2, 4, 5, 3, 1},   {3, 6, 7, 2, 0},  {1, 7, 9, 4, 0},
+                                            {5, 8, 6, 1, 0},   {2, 9, 10, 5, 0}, {4, 10, 8, 3, 0},
+                                            {3, 8, 11, 7, 1},  {1, 6, 11, 9, 2}, {5, 10, 11, 6, 3},
+                                            {2, 7, 11, 10, 4}, {4, 9, 11, 8, 5}, {6, 8, 10, 9, 7}};
+    static const struct ap_symbol symbols[] = {{4, 3, 3}, {4, 3, 4}, {4, 3, 5},
+                                               {5, 3, 3}, {5, 3, 4}, {5, 3, 5}};
+    for (size_t i = 0; i < sizeof symbols / sizeof *symbols; i++) {
+        struct ap_tiling t;
+        int kappa, p = symbols[i].p;
+        assert_int_equal(ap_symbol_space(NULL, symbols[i], &kappa), AP_OK);
+        struct ap_space space = {kappa, 1};
+        assert_int_equal(ap_tiling_init(NULL, symbols[i], space, 2, &t), AP_OK);
+        assert_int_equal(t.face_count, p == 4 ? 6 : 12);
+        for (int f = 0; f < t.face_count; f++)
+            for (int k = 0; k < p; k++)
+                assert_int_equal(t.face_neighbour[f][k], (p == 4 ? cube : dodecahedron)[f][k]);
+        assert_true(t.face_out[0].y < -0.999 && t.face_out[t.face_count - 1].y > 0.999);
+        assert_true(t.face_out[1].z > 0.8 && t.face_out[2].x > 0.8);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lengths_are_coxeters),          cmocka_unit_test(cells_have_their_shape),
-        cmocka_unit_test(steps_are_isometries_that_fit), cmocka_unit_test(graphs_close),
-        cmocka_unit_test(what_does_not_exist_says_so),   cmocka_unit_test(pairings_are_checked),
+        cmocka_unit_test(lengths_are_coxeters),
+        cmocka_unit_test(cells_have_their_shape),
+        cmocka_unit_test(steps_are_isometries_that_fit),
+        cmocka_unit_test(graphs_close),
+        cmocka_unit_test(what_does_not_exist_says_so),
+        cmocka_unit_test(pairings_are_checked),
+        cmocka_unit_test(faces_are_numbered_as_documented),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
