@@ -9,6 +9,7 @@
 #include "src/render/decals.h"
 #include "src/render/list.h"
 #include "src/render/resolve.h"
+#include "src/render/samples.h"
 
 // Frames that the CPU may be ahead of the GPU.
 enum { RING = 2 };
@@ -31,10 +32,7 @@ struct ap_renderer {
     struct ap_renderer_params params;
     bool multiview;
     double max_error_px;
-    VkSampleCountFlagBits samples;
-    uint32_t across; // pixels that are drawn for one of the target's, to each side
-    bool straight;   // drawn into the target itself: one sample a pixel, eye by eye
-    bool coded;      // drawn as sRGB codes, not as linear light (shaders/coded.glsl)
+    struct ap_samples samples;
     struct ap_meshes meshes;
     struct ap_draw_list list;
     struct ap_decals decals;
@@ -52,66 +50,6 @@ struct ap_renderer {
     unsigned frame;
     bool told_budget; // that it ended
 };
-
-static bool is_software(const struct ap_gpu *gpu) {
-    return gpu->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-}
-
-// A software device gains nothing from one pass for both eyes, and Mesa 22.3.6's lavapipe puts some
-// of the triangles that the picture's edge cuts into the wrong eye (docs/rendering.md).
-static bool use_multiview(const struct ap_gpu *gpu, const struct ap_renderer_params *params) {
-    if (params->no_multiview || (is_software(gpu) && !params->multiview_in_software))
-        return false;
-    VkPhysicalDeviceMultiviewFeatures has = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
-    VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                                          .pNext = &has};
-    if (gpu->properties.apiVersion < VK_API_VERSION_1_1)
-        return false;
-    vkGetPhysicalDeviceFeatures2(gpu->physical_device, &features);
-    return has.multiview;
-}
-
-static bool has_samples(const struct ap_gpu *gpu, uint32_t n) {
-    const VkPhysicalDeviceLimits *limits = &gpu->properties.limits;
-    return limits->framebufferColorSampleCounts & limits->framebufferDepthSampleCounts & n;
-}
-
-// Discs are blended, in linear light: by an image that is of that.
-static bool blends(const struct ap_scene *scene) {
-    for (size_t i = 0; i < scene->part_count; i++)
-        if (scene->parts[i].kind == AP_PART_BALL && !scene->parts[i].lit &&
-            scene->parts[i].carrier != AP_CARRIER_CELL)
-            return true;
-    return false;
-}
-
-// Samples of each pixel of the images that are drawn into, and how many of those there are across
-// one of the target's: what the device does not have is made of larger images. 4 are always there.
-static enum ap_status choose_samples(struct ap_error *err, struct ap_renderer *r) {
-    uint32_t wanted = r->params.samples ? r->params.samples : 4, across = 1;
-    // Worlds of cells are many small triangles: there lavapipe is faster at four times the pixels
-    // than at four samples of each.
-    uint32_t limit = r->gpu->properties.limits.maxImageDimension2D;
-    bool larger = is_software(r->gpu) && r->scene->honeycomb && r->params.samples == 0 &&
-                  r->params.width <= limit / 2 && r->params.height <= limit / 2;
-    if (wanted != 1 && wanted != 4 && wanted != 16 && wanted != 64)
-        return ap_fail(err, AP_USAGE, "%u samples a pixel: expected 1, 4, 16 or 64", wanted);
-    while (larger ? wanted > 1 : !has_samples(r->gpu, wanted) && wanted > 4) {
-        wanted /= 4;
-        across *= 2;
-    }
-    if (r->params.width > limit / across || r->params.height > limit / across)
-        return ap_fail(err, AP_USAGE,
-                       "pictures of %ux%u with %u samples a pixel are larger than the "
-                       "device's %u: ask for fewer samples",
-                       r->params.width, r->params.height, r->params.samples, limit);
-    r->samples = (VkSampleCountFlagBits)wanted;
-    r->across = across;
-    r->straight = r->params.samples == 1 && !r->multiview;
-    r->coded = larger && !blends(r->scene);
-    return AP_OK;
-}
 
 static enum ap_status create_layouts(struct ap_error *err, struct ap_renderer *r) {
     const VkShaderStageFlags both = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
@@ -251,9 +189,9 @@ static enum ap_status create_parts(struct ap_error *err, struct ap_renderer *r) 
         st = create_times(err, r);
     if (st == AP_OK)
         st = create_layouts(err, r);
-    struct ap_resolve_params resolve = {r->params.color_format, r->params.width,
-                                        r->params.height,       (int32_t)r->samples,
-                                        (int32_t)r->across,     r->coded};
+    struct ap_resolve_params resolve = {r->params.color_format,     r->params.width,
+                                        r->params.height,           (int32_t)r->samples.samples,
+                                        (int32_t)r->samples.across, r->samples.coded};
     if (st == AP_OK)
         st = ap_resolve_create(err, r->gpu, &resolve, &r->resolve);
     if (st == AP_OK)
@@ -284,9 +222,9 @@ enum ap_status ap_renderer_create(struct ap_error *err, const struct ap_gpu *gpu
     r->gpu = gpu;
     r->scene = scene;
     r->params = *params;
-    r->multiview = use_multiview(gpu, params);
+    r->multiview = ap_use_multiview(gpu, params);
     r->max_error_px = params->max_error_px > 0 ? params->max_error_px : 0.25;
-    enum ap_status st = choose_samples(err, r);
+    enum ap_status st = ap_choose_samples(err, gpu, scene, params, &r->samples);
     if (st == AP_OK)
         st = create_parts(err, r);
     if (st == AP_OK)
@@ -423,13 +361,14 @@ static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
     VkClearValue clear[2] = {0}; // depth is reversed: 0 is far
     const double *back = r->scene->background_srgb;
     for (int i = 0; i < 3; i++)
-        clear[0].color.float32[i] = r->coded ? (float)back[i] : ap_linear_color(back[i]);
+        clear[0].color.float32[i] = r->samples.coded ? (float)back[i] : ap_linear_color(back[i]);
     clear[0].color.float32[3] = 1;
     VkRenderPassBeginInfo begin = {
         .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
         .renderPass = pass->render_pass,
         .framebuffer = framebuffer,
-        .renderArea = {{0, 0}, {r->across * r->params.width, r->across * r->params.height}},
+        .renderArea = {{0, 0},
+                       {r->samples.across * r->params.width, r->samples.across * r->params.height}},
         .clearValueCount = 2,
         .pClearValues = clear};
     vkCmdBeginRenderPass(slot->cmd, &begin, VK_SUBPASS_CONTENTS_INLINE);
@@ -443,19 +382,20 @@ static void record_pass(const struct ap_renderer *r, const struct ap_pass *pass,
 
 static enum ap_status need_pass(struct ap_error *err, struct ap_renderer *r,
                                 const struct ap_viewer *viewer, bool both) {
-    struct ap_pass_params params = {r->coded ? VK_FORMAT_R8G8B8A8_UNORM : r->params.color_format,
-                                    r->across * r->params.width,
-                                    r->across * r->params.height,
+    struct ap_pass_params params = {r->samples.coded ? VK_FORMAT_R8G8B8A8_UNORM
+                                                     : r->params.color_format,
+                                    r->samples.across * r->params.width,
+                                    r->samples.across * r->params.height,
                                     both ? 2 : 1,
-                                    r->samples,
-                                    r->coded,
-                                    r->straight,
+                                    r->samples.samples,
+                                    r->samples.coded,
+                                    r->samples.straight,
                                     ap_draw_list_marks(r->scene),
                                     r->layout};
     enum ap_status st = AP_OK;
     if (!r->pass[both].render_pass) {
         st = ap_pass_create(err, r->gpu, &params, &r->pass[both]);
-        if (st == AP_OK && !r->straight)
+        if (st == AP_OK && !r->samples.straight)
             ap_resolve_read(r->gpu, &r->resolve, both, r->pass[both].read);
     }
     const struct ap_world world = {viewer->space.kappa, (int)viewer->mode,
@@ -476,7 +416,8 @@ static enum ap_status record(struct ap_error *err, struct ap_renderer *r,
     enum ap_status st = need_pass(err, r, &input->viewer, both);
     for (int e = 0; st == AP_OK && e < 2; e++)
         st = bind_target(err, r, target,
-                         r->straight && !(closed_eyes >> e & 1) ? &r->pass[both] : NULL, slot, e);
+                         r->samples.straight && !(closed_eyes >> e & 1) ? &r->pass[both] : NULL,
+                         slot, e);
     if (st != AP_OK)
         return st;
     const struct ap_pass *pass = &r->pass[both];
@@ -496,8 +437,9 @@ static enum ap_status record(struct ap_error *err, struct ap_renderer *r,
             continue;
         }
         if (e == 0 || !both)
-            record_pass(r, pass, slot, r->straight ? slot->framebuffer[e] : pass->framebuffer, e);
-        if (!r->straight)
+            record_pass(r, pass, slot,
+                        r->samples.straight ? slot->framebuffer[e] : pass->framebuffer, e);
+        if (!r->samples.straight)
             ap_resolve_record(&r->resolve, slot->cmd, both, both ? e : 0, slot->framebuffer[e]);
     }
     if (r->times)
@@ -558,8 +500,8 @@ static enum ap_status place(struct ap_error *err, struct ap_renderer *r,
                                         .meshes = &r->meshes,
                                         .input = input,
                                         .eyes = &eyes,
-                                        .width_px = r->across * r->params.width,
-                                        .height_px = r->across * r->params.height,
+                                        .width_px = r->samples.across * r->params.width,
+                                        .height_px = r->samples.across * r->params.height,
                                         .max_error_px = r->max_error_px,
                                         .no_cull = r->params.no_cull};
     enum ap_status st = ap_draw_list_fill(err, &what, &r->list);
