@@ -4,14 +4,15 @@
 
 enum { SETTLE_FRAMES = 12, CALM_FRAMES = 90, MOST_PATIENCE = 10000 };
 
-// Each level costs 0.5 to 0.7 of the one before: by its pixels, by materials and shadows, or by one
-// sample a pixel instead of four.
+// Each level costs 0.4 to 0.7 of the one before: by its pixels, by one sample a pixel instead of
+// four, which is cheaper at more pixels, or by materials and shadows (docs/performance.md).
 static const struct {
     double scale;
     bool plain;
     unsigned samples;
-} levels[AP_DETAIL_LEVELS] = {{1, false, 0},   {0.84, false, 0}, {0.71, false, 0}, {0.59, false, 0},
-                              {0.59, true, 0}, {0.59, true, 1},  {0.5, true, 1}};
+} levels[AP_DETAIL_LEVELS] = {{1, false, 0},    {0.84, false, 0}, {0.71, false, 0},
+                              {0.59, false, 0}, {0.71, false, 1}, {0.71, true, 1},
+                              {0.5, true, 1}};
 
 void ap_detail_init(struct ap_detail *detail, bool automatic, double budget_ms) {
     *detail =

@@ -22,11 +22,11 @@ void ap_detail_init(struct ap_detail *detail, bool automatic, double budget_ms);
 // A frame took so long. True where the level changed.
 bool ap_detail_step(struct ap_detail *detail, double frame_ms);
 
-// Of width and height: 1, 0.84, 0.71, 0.59, 0.59, 0.59, 0.5.
+// Of width and height: 1, 0.84, 0.71, 0.59, 0.71, 0.71, 0.5.
 double ap_detail_scale(const struct ap_detail *detail);
-// Without materials, numbers and shadows: the last three levels.
+// Without materials, numbers and shadows: the last two levels.
 bool ap_detail_plain(const struct ap_detail *detail);
-// Samples a pixel: 1 in the last two levels; else 0, as many as usual.
+// Samples a pixel: 1 in the last three levels; else 0, as many as usual.
 unsigned ap_detail_samples(const struct ap_detail *detail);
 // The error bound that goes with it, px of what is drawn: none of its own (0), then 0.5 to 2.
 double ap_detail_error_px(const struct ap_detail *detail);
