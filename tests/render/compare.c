@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/render/refine_surface.h"
 #include "src/view/exact.h"
 #include "tests/render/reference_surface.h"
 #include "tests/render/stage.h"
@@ -52,6 +53,7 @@ void compare_tally_add(struct compare_tally *sum, const struct compare_tally *mo
     put_all(&sum->depth, &more->depth);
     put_all(&sum->direction_px, &more->direction_px);
     put_all(&sum->near_px, &more->near_px);
+    put_all(&sum->bare_px, &more->bare_px);
     put_all(&sum->direction_arcmin, &more->direction_arcmin);
     sum->strange += more->strange;
     sum->antipode += more->antipode;
@@ -69,6 +71,7 @@ void compare_tally_finish(struct compare_tally *tally) {
     free(tally->seam_px.at);
     free(tally->depth.at);
     free(tally->near_px.at);
+    free(tally->bare_px.at);
     free(tally->direction_px.at);
     free(tally->direction_arcmin.at);
     memset(tally, 0, sizeof *tally);
@@ -246,6 +249,10 @@ static void look_at_direction(const struct compare *c, const struct pixel *p, do
     }
     if (off == INFINITY)
         return;
+    if (ap_surface_is_bare(&c->scene->parts[ref_thing_at(c->truth, p->thing)->part])) {
+        put(&c->tally->bare_px, off);
+        return;
+    }
     if (along_m < COMPARE_NEAR_M) {
         put(&c->tally->near_px, off);
         return;

@@ -27,6 +27,7 @@ struct compare_tally {
     // Native: how far from its true direction the drawn point of a surface is seen.
     struct compare_values direction_px, direction_arcmin;
     struct compare_values near_px; // likewise within COMPARE_NEAR_M of the eye
+    struct compare_values bare_px; // likewise of what is round and bears no pattern
     long strange;                  // pixels of what is not in the world
     // Where a tenth of rho or less of native view's line is left to the nose's antipode: pixels,
     // those that differ, and those farther off than the bound.

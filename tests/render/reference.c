@@ -214,36 +214,47 @@ bool ref_from_nose(const struct ref_world *w, int thing, struct ap_vec3 near_m,
     return false;
 }
 
-// The value at a point of the nose's tangent space, and its gradient there. Returns |gradient|².
-static double slope_at(const struct ref_world *w, const struct ref_prim *p, const double t[3],
-                       double *value, double gradient[3]) {
-    const double h = 1e-6;
-    double x[4], square = 0;
-    ref_exp(w->kappa, t, x);
-    *value = ref_value(&w->s, p, x);
-    for (int i = 0; i < 3; i++) {
-        double moved[3] = {t[0], t[1], t[2]};
-        moved[i] += h;
-        ref_exp(w->kappa, moved, x);
-        gradient[i] = (ref_value(&w->s, p, x) - *value) / h;
-        square += gradient[i] * gradient[i];
+// Along the geodesic across the surface: in the part's coordinates its point next to y. A stick's
+// is about its middle line, which its ends share.
+static bool next_on(int kappa, const struct ref_prim *p, double y[4]) {
+    int axis = p->shape == REF_TUBE ? 0 : 2;
+    bool tube = p->shape == REF_TUBE || p->shape == REF_STICK;
+    double foot[4] = {0, 0, 0, 1}, out[3] = {y[0], y[1], y[2]}, radius = p->radius, c, s;
+    if (tube) {
+        double w = kappa > 0 ? hypot(y[axis], y[3]) : sqrt(y[3] * y[3] - y[axis] * y[axis]);
+        foot[axis] = kappa ? y[axis] / w : y[axis];
+        foot[3] = kappa ? y[3] / w : 1;
+        out[axis] = 0;
+        double along = kappa > 0 ? asin(foot[axis]) : kappa < 0 ? asinh(foot[axis]) : foot[axis];
+        if (p->shape == REF_STICK && fabs(along) > p->half)
+            return false;
+        if (p->shape == REF_STICK)
+            radius += (along / p->half + 1) / 2 * (p->radius2 - p->radius);
     }
-    return square;
+    double far = sqrt(dot3(out, out));
+    if (p->shape == REF_FACET || p->shape == REF_SHEET || !(far > 0))
+        return false;
+    ref_cos_sin(kappa, radius, &c, &s);
+    for (int i = 0; i < 4; i++)
+        y[i] = c * foot[i] + (i < 3 ? s / far * out[i] : 0);
+    if (kappa == 0)
+        y[3] = 1;
+    return true;
 }
 
-// Along the gradient.
 bool ref_foot(const struct ref_world *w, int thing, struct ap_vec3 near_m, struct ap_vec3 *at_m) {
     const struct ref_prim *p = &w->s.prims[w->s.bounds[thing].first_prim];
-    double t[3] = {near_m.x / w->rho, near_m.y / w->rho, near_m.z / w->rho}, f = 0, g[3];
-    if (p->shape == REF_FACET)
+    double t[3] = {near_m.x / w->rho, near_m.y / w->rho, near_m.z / w->rho}, x[4], y[4];
+    ref_exp(w->kappa, t, x);
+    ref_apply(&p->part_from_nose, x, y);
+    if (!next_on(w->kappa, p, y))
         return false;
-    for (int step = 0; step < 4; step++) {
-        double square = slope_at(w, p, t, &f, g);
-        for (int i = 0; i < 3; i++)
-            t[i] -= f * g[i] / square;
-    }
-    *at_m = (struct ap_vec3){w->rho * t[0], w->rho * t[1], w->rho * t[2]};
-    return fabs(f) < 1e-9;
+    ref_apply(&w->s.things[thing].nose_from_part, y, x);
+    bool behind = w->kappa > 0 && sqrt(dot3(t, t)) > PI;
+    log_of(w->kappa, x, t);
+    double far = sqrt(dot3(t, t)), times = behind ? -(2 * PI - far) / far : 1;
+    *at_m = ap_vec3_scale(w->rho * times, (struct ap_vec3){t[0], t[1], t[2]});
+    return true;
 }
 
 static int by_near(const void *left, const void *right) {

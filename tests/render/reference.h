@@ -56,8 +56,9 @@ bool ref_meets(const struct ref_world *world, double x_px, double y_px, int thin
                double *along_m);
 
 // The point of a thing's surface (its plane, tube or sphere as a whole) that the nose sees in the
-// direction of a tangent-space point, at about its distance; and the one next to that point. Native
-// view. False: there is none within a fifth of the distance, or the thing is made of facets.
+// direction of a tangent-space point, at about its distance; and (of what is round) the one that
+// lies across from that point in the curved space. Native view. False: there is none within a fifth
+// of the distance, or the thing is made of facets.
 bool ref_from_nose(const struct ref_world *world, int thing, struct ap_vec3 near_m,
                    struct ap_vec3 *at_m);
 bool ref_foot(const struct ref_world *world, int thing, struct ap_vec3 near_m,

@@ -209,7 +209,8 @@ static bool report(struct row *row) {
     double most_px = row->bound_px + ROUNDING_PX, edge = compare_quantile(&t->edge_px, 1);
     double direction = compare_quantile(&t->direction_px, 1);
     bool bad = !(edge <= most_px) || !(direction <= most_px) ||
-               !(compare_quantile(&t->near_px, 1) <= 3 * most_px) ||
+               !(compare_quantile(&t->near_px, 1) <= most_px) ||
+               !(compare_quantile(&t->bare_px, 1) <= 4 * most_px) ||
                !(compare_quantile(&t->seam_px, 1) <= 2 * most_px) || t->strange > 0 ||
                (t->pixels > 10000 && t->depth.count < 1000);
     printf("%-24.24s %-7s %4.2f | %3ld %7ld %5.0f", row->name, ap_view_mode_name(row->mode),
@@ -226,6 +227,8 @@ static bool report(struct row *row) {
                t->antipode_off + row->over.antipode_off);
     if (t->near_px.count > 0)
         printf(" | at the eye %.3f", compare_quantile(&t->near_px, 1));
+    if (t->bare_px.count > 0)
+        printf(" | bare %.3f", compare_quantile(&t->bare_px, 1));
     if (row->over.frames > 0)
         printf(" | bound not held in %ld frames: edge %.3f, direction %.3f", row->over.frames,
                compare_quantile(&row->over.edge_px, 1),
