@@ -43,6 +43,13 @@ struct ap_vec3 ap_log_unchecked(struct ap_space space, struct ap_vec4 p, int ima
     return ap_vec3_scale(theta * space.rho_m, unit);
 }
 
+double ap_base_distance(struct ap_space space, struct ap_vec4 p) {
+    double r = sqrt(p.x * p.x + p.y * p.y + p.z * p.z), rho = space.rho_m;
+    return space.kappa == 0  ? r * (rho / p.w)
+           : space.kappa < 0 ? rho * asinh(r / rho)
+                             : rho * atan2(r, p.w);
+}
+
 static bool is_finite(struct ap_vec4 p) {
     return isfinite(p.x) && isfinite(p.y) && isfinite(p.z) && isfinite(p.w);
 }

@@ -32,6 +32,10 @@ enum ap_status ap_distance(struct ap_error *err, struct ap_space space, struct a
 // point slightly off the space is taken by (x,y,z) and w as it is; (x,y,z) = 0 gives zero.
 struct ap_vec3 ap_log_unchecked(struct ap_space space, struct ap_vec4 p, int image);
 
+// The length of image 0's log by plain square root, asinh and atan2, for what is bounded and not
+// drawn: within 1e-15 of itself for |(x,y,z)| of 1e-150 to 1e150 m; smaller is 0, larger infinite.
+double ap_base_distance(struct ap_space space, struct ap_vec4 p);
+
 // AP_INPUT where p is not a point of the space; the sentence says by how much.
 enum ap_status ap_point_check(struct ap_error *err, struct ap_space space, struct ap_vec4 p);
 

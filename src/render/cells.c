@@ -187,7 +187,7 @@ static enum ap_status add(struct ap_error *err, const struct frame *f,
                              .reach_m = reach_m};
     bool near_cell = cell->near_m < 2 * (cell->far_m - cell->near_m) || space.kappa > 0;
     if (near_cell && item.eyes) {
-        double d = ap_vec3_length(ap_log_unchecked(space, centre, 0));
+        double d = ap_base_distance(space, centre);
         place.near_m = fmax(0, d - reach_m);
         place.far_m = space.kappa > 0 ? fmin(d + reach_m, PI * rho) : d + reach_m;
     }

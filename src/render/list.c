@@ -8,6 +8,13 @@
 
 static const double PI = 3.14159265358979323846;
 
+// What comes first in the order of drawing, as one number, so that items themselves are looked at
+// only where it is equal.
+struct ap_draw_key {
+    uint64_t first;
+    const struct ap_draw_item *item;
+};
+
 static enum ap_status make_room(struct ap_error *err, size_t room, struct ap_draw_list *list) {
     struct ap_draw_item *items = realloc(list->items, room * sizeof *items);
     if (items)
@@ -15,7 +22,10 @@ static enum ap_status make_room(struct ap_error *err, size_t room, struct ap_dra
     const struct ap_draw_item **order = realloc(list->order, room * sizeof *order);
     if (order)
         list->order = order;
-    if (!items || !order)
+    struct ap_draw_key *keys = realloc(list->keys, room * sizeof *keys);
+    if (keys)
+        list->keys = keys;
+    if (!items || !order || !keys)
         return ap_fail(err, AP_ENVIRONMENT, "no memory to draw %zu parts", room);
     list->room = room;
     return AP_OK;
@@ -35,6 +45,7 @@ enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap
 void ap_draw_list_destroy(struct ap_draw_list *list) {
     free(list->items);
     free(list->order);
+    free(list->keys);
     ap_mesh_data_finish(&list->refined);
     ap_refiner_finish(&list->refiner);
     memset(list, 0, sizeof *list);
@@ -65,6 +76,25 @@ static int compare_items(const void *left, const void *right) {
     return dw == 0 ? memcmp(&a->nose_from_part, &b->nose_from_part, sizeof a->nose_from_part)
            : (dw < 0) == (a->image == 0) ? -1
                                          : 1;
+}
+
+// What compare_items looks at first; far_m is 0 but for discs.
+static uint64_t first_of(const struct ap_draw_item *item) {
+    enum { MOST_RANK = (1 << 20) - 1 };
+    uint64_t rank = (uint64_t)(item->rank < 0           ? 0
+                               : item->rank > MOST_RANK ? MOST_RANK
+                                                        : item->rank);
+    uint64_t first = rank << 43 | (uint64_t)item->pipeline << 35;
+    if (item->pipeline == AP_PIPELINE_DISC)
+        return first | UINT64_C(1) << 63;
+    return first | (uint64_t)item->refined << 34 | (uint64_t)item->mesh.first_index << 2;
+}
+
+static int compare_keys(const void *left, const void *right) {
+    const struct ap_draw_key *a = left, *b = right;
+    if (a->first != b->first)
+        return a->first < b->first ? -1 : 1;
+    return compare_items(&a->item, &b->item);
 }
 
 // Counts it for the eyes of `of`: drawn, or culled where it is not for them.
@@ -181,8 +211,10 @@ void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,
 
 void ap_draw_list_sort(struct ap_draw_list *list) {
     for (size_t i = 0; i < list->count; i++)
-        list->order[i] = &list->items[i];
-    qsort(list->order, list->count, sizeof *list->order, compare_items);
+        list->keys[i] = (struct ap_draw_key){first_of(&list->items[i]), &list->items[i]};
+    qsort(list->keys, list->count, sizeof *list->keys, compare_keys);
+    for (size_t i = 0; i < list->count; i++)
+        list->order[i] = list->keys[i].item;
 }
 
 // What the bound costs: a mesh of more triangles made ahead gives way to one made for this frame,

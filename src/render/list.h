@@ -27,6 +27,7 @@ struct ap_draw_item {
 struct ap_draw_list {
     struct ap_draw_item *items;        // what is reserved
     const struct ap_draw_item **order; // as they are drawn: after ap_draw_list_sort
+    struct ap_draw_key *keys;          // of its own
     size_t count, room;
     struct ap_depth_range range;
     struct ap_frame_stats stats;

@@ -526,7 +526,7 @@ static enum ap_status place(struct ap_error *err, struct ap_renderer *r,
 static size_t held_bytes(const struct ap_renderer *r) {
     const struct ap_mesh_data *own = &r->list.refined;
     size_t sum = r->meshes.vertices.size + r->meshes.indices.size +
-                 r->list.room * (sizeof *r->list.items + sizeof(void *)) +
+                 r->list.room * (sizeof *r->list.items + 3 * sizeof(void *)) +
                  own->vertex_space * sizeof *own->vertices +
                  own->index_space * sizeof *own->indices;
     for (int i = 0; i < RING; i++)

@@ -59,12 +59,14 @@ static bool cap_below(double along, double least, double sin_spread, double cos_
 
 unsigned ap_sides_see_ball(const struct ap_sides *s, struct ap_space space, struct ap_vec4 centre,
                            double radius_m, int image) {
-    double d = ap_vec3_length(ap_log_unchecked(space, centre, 0)), rho = space.rho_m;
+    double d = ap_base_distance(space, centre), rho = space.rho_m;
     double room = space.kappa > 0 ? fmin(d, M_PI * rho - d) : d;
     double near = image ? M_PI * rho : d - radius_m;
     if (room - radius_m < s->eye_m + 2 * AP_NEAR_M || radius_m > M_PI / 2 * rho)
         return 3;
-    double q = ap_space_sin(space, radius_m / rho) / ap_space_sin(space, d / rho);
+    // S(d) is what is across, over rho.
+    double across = sqrt(centre.x * centre.x + centre.y * centre.y + centre.z * centre.z);
+    double q = rho * ap_space_sin(space, radius_m / rho) / across;
     double spread =
         asin(fmin(q, 1)) + (s->tourist ? 2 * asin(fmin(s->eye_m / (room - radius_m), 1)) : 0);
     if (!(spread < M_PI / 2))
@@ -195,8 +197,7 @@ static void visit(struct walk *w, int32_t cell, int image, const struct way_in *
     struct ap_vec4 centre = {s.nose_from_cell.m[0][3], s.nose_from_cell.m[1][3],
                              s.nose_from_cell.m[2][3], s.nose_from_cell.m[3][3]};
     double rho = w->space.rho_m, reach = w->tiling->circumradius_m;
-    s.distance_m =
-        rho * ap_vec3_length(ap_log_unchecked((struct ap_space){w->space.kappa, 1}, centre, 0));
+    s.distance_m = rho * ap_base_distance((struct ap_space){w->space.kappa, 1}, centre);
     if (!(s.distance_m <= w->params->horizon_m)) {
         w->stats.size++;
         return;
