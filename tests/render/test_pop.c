@@ -2,9 +2,8 @@
 // turning) each part's triangles of one frame are held against those of the frame before. Points of
 // its surface are looked for in both meshes, where the GPU would draw them (straight in tangent
 // space; by interpolated coordinates), and where they truly are: what is drawn may move against the
-// truth by no more than the bound, from frame to frame, whichever meshes were chosen. (Pictures of
-// such choices: test_pop_picture.c.) `test_pop WALKS [SEED [SCENE]]` takes whole walks at all
-// bounds.
+// truth by no more than the bound, from frame to frame, whichever meshes were chosen.
+// `test_pop WALKS [SEED [SCENE]]` takes whole walks at all bounds.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
