@@ -327,8 +327,10 @@ static void bind_meshes(const struct ap_renderer *r, const struct slot *slot, bo
                          VK_INDEX_TYPE_UINT32);
 }
 
+// A mesh of which no triangle is seen begins where the next one does.
 static bool goes_with(const struct ap_draw_item *item, const struct ap_draw_item *next) {
-    return next->mesh.first_index == item->mesh.first_index && next->refined == item->refined &&
+    return next->mesh.first_index == item->mesh.first_index &&
+           next->mesh.index_count == item->mesh.index_count && next->refined == item->refined &&
            next->pipeline == item->pipeline;
 }
 
