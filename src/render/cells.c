@@ -93,10 +93,8 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct frame *f,
                                  f->what->max_error_px, &chosen)
                      ? (signed char)chosen
                      : NONE_HOLDS;
-    if (near_cell || *level == NONE_HOLDS)
-        return ap_draw_list_mesh(err, f->what, place, f->list, item);
-    item->mesh = shape->mesh[*level];
-    return AP_OK;
+    chosen = near_cell || *level == NONE_HOLDS ? AP_LEVEL_UNKNOWN : *level;
+    return ap_draw_list_mesh(err, f->what, place, chosen, f->list, item);
 }
 
 static enum ap_pipeline_kind pipeline_of(const struct frame *f, const struct ap_part *part,

@@ -48,6 +48,7 @@ void ap_draw_list_destroy(struct ap_draw_list *list) {
     free(list->keys);
     ap_mesh_data_finish(&list->refined);
     ap_refiner_finish(&list->refiner);
+    ap_snapped_finish(&list->snapped);
     memset(list, 0, sizeof *list);
 }
 
@@ -65,7 +66,10 @@ static int compare_items(const void *left, const void *right) {
         return a->far_m > b->far_m ? -1 : 1;
     if (a->refined != b->refined)
         return a->refined ? 1 : -1;
-    if (a->mesh.first_index != b->mesh.first_index)
+    // Where in the frame's data such a mesh lies depends on what else is drawn.
+    if (a->snapped != b->snapped)
+        return a->snapped < b->snapped ? -1 : 1;
+    if (a->snapped == 0 && a->mesh.first_index != b->mesh.first_index)
         return a->mesh.first_index < b->mesh.first_index ? -1 : 1;
     if (a->part != b->part)
         return a->part < b->part ? -1 : 1;
@@ -261,57 +265,85 @@ static bool holds_after_all(const struct ap_list_params *params, const struct ap
     return ap_refine_holds(&list->refiner, &judge, part);
 }
 
-enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,
-                                 const struct ap_place *place, struct ap_draw_list *list,
-                                 struct ap_draw_item *item) {
+// Facets that may be off in depth are fewer, and surfaces meet where they ought to.
+static bool is_stretched(const struct ap_list_params *params, const struct ap_place *place,
+                         const struct ap_draw_item *item) {
+    const struct ap_part *part = &params->scene->parts[item->part];
+    return ap_is_stretched(&params->input->viewer, place, item->image) && !part->apart &&
+           ap_part_form(part) != AP_FORM_FACETS;
+}
+
+static enum ap_status refine(struct ap_error *err, const struct ap_list_params *params,
+                             const struct ap_place *place, const struct ap_seam_cut *seams,
+                             struct ap_draw_list *list, struct ap_draw_item *item) {
     const struct ap_viewer *viewer = &params->input->viewer;
     const struct ap_part *part = &params->scene->parts[item->part];
-    const struct ap_shape *shape =
-        &params->meshes->shapes[params->meshes->shape_of_part[item->part]];
-    int level;
-    bool held = ap_choose_level(viewer, params->eyes, part, shape, place, item->image,
-                                params->max_error_px, &level);
-    // Facets that may be off in depth are fewer, and surfaces meet where they ought to.
-    bool stretched = ap_is_stretched(viewer, place, item->image) && !part->apart &&
-                     ap_part_form(part) != AP_FORM_FACETS;
-    if (!held && holds_after_all(params, place, list, item)) {
-        held = true;
-        item->pipeline = stretched ? exact(item->pipeline) : item->pipeline;
-    }
-    item->mesh = shape->mesh[level];
     size_t used = list->refined.index_count / 3, most = refined_max(params->scene);
-    bool fixed = part->kind == AP_PART_SOLID && part->form == AP_FORM_FACETS;
-    if (fixed || (held && item->mesh.index_count / 3 <= AHEAD_MAX) || used >= most) {
-        item->beyond = !held;
-        list->stats.beyond_bound += !held;
-        list->stats.over_budget +=
-            !held && !fixed && used >= most && most < refined_cap(params->scene);
-        return AP_OK;
-    }
+    bool stretched = is_stretched(params, place, item);
     if (stretched)
         item->pipeline = exact(item->pipeline);
-    const struct ap_refine_params refine = {
+    const struct ap_refine_params how = {
         .viewer = viewer,
         .eyes = params->eyes,
         .nose_from_part = item->nose_from_part,
         .image = item->image,
         .max_error_px = params->max_error_px,
         .solid = part->kind == AP_PART_SOLID ? &params->scene->solids[part->solid] : NULL,
+        .seams = seams,
         .closed = is_closed(item->pipeline),
         .any_depth = stretched || part->apart,
         .keep_unseen = params->no_cull,
         .triangles_max = most - used};
     uint32_t unseen = 0;
+    bool held;
     item->refined = true;
     list->stats.refined++;
-    enum ap_status st = ap_refine_part(err, &list->refiner, &refine, part, &list->refined,
-                                       &item->mesh, &held, &unseen);
+    enum ap_status st = ap_refine_part(err, &list->refiner, &how, part, &list->refined, &item->mesh,
+                                       &held, &unseen);
     list->stats.unseen_facets += unseen;
     item->beyond = st == AP_OK && !held;
     list->stats.beyond_bound += item->beyond;
     bool full = list->refined.index_count / 3 + 1 >= most && most < refined_cap(params->scene);
     list->stats.over_budget += item->beyond && full;
     return st;
+}
+
+enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,
+                                 const struct ap_place *place, int level, struct ap_draw_list *list,
+                                 struct ap_draw_item *item) {
+    const struct ap_viewer *viewer = &params->input->viewer;
+    const struct ap_part *part = &params->scene->parts[item->part];
+    size_t index = params->meshes->shape_of_part[item->part];
+    const struct ap_shape *shape = &params->meshes->shapes[index];
+    struct ap_seam_cut cuts[AP_SEAMS_MAX];
+    int pieces = 1;
+    bool known = level != AP_LEVEL_UNKNOWN, seams = shape->seam_count > 0;
+    bool held = known || ap_choose_level(viewer, params->eyes, part, shape, place, item->image,
+                                         params->max_error_px, &level);
+    // What holds the bound with whole seams has no others.
+    bool cut = seams && !(known && level == 0);
+    bool snaps = !cut || ap_seams_cut(viewer, params->eyes, part, shape, &item->nose_from_part,
+                                      item->image, params->max_error_px, cuts, &pieces);
+    if (!held && snaps && holds_after_all(params, place, list, item)) {
+        held = true;
+        if (is_stretched(params, place, item))
+            item->pipeline = exact(item->pipeline);
+    }
+    while (held && cut && snaps && shape->seam_pieces[level] < pieces)
+        level++;
+    item->mesh = shape->mesh[level];
+    size_t most = refined_max(params->scene);
+    bool fixed = part->kind == AP_PART_SOLID && part->form == AP_FORM_FACETS,
+         full = list->refined.index_count / 3 >= most;
+    if (!fixed && !full && !(held && snaps && item->mesh.index_count / 3 <= AHEAD_MAX))
+        return refine(err, params, place, seams ? cuts : NULL, list, item);
+    item->beyond = !held;
+    list->stats.beyond_bound += !held;
+    list->stats.over_budget += !held && !fixed && full && most < refined_cap(params->scene);
+    if (!held || !cut || !snaps)
+        return AP_OK;
+    return ap_snapped_mesh(err, &list->snapped, params->meshes, index, level, cuts, &list->refined,
+                           &item->mesh, &item->snapped, &item->refined);
 }
 
 // An unlit ball as a disc with a computed rim, for the eyes that see it well; those it leaves in
@@ -390,7 +422,7 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
             item.pipeline = ap_pipeline_for(part, params->input->plain);
             if (guard) // both sides: an eye may be inside
                 item.pipeline = ap_pipeline_looked_at(item.pipeline, false);
-            st = ap_draw_list_mesh(err, params, &place, list, &item);
+            st = ap_draw_list_mesh(err, params, &place, AP_LEVEL_UNKNOWN, list, &item);
         }
         if (st == AP_OK && of != 0)
             add_image(list, viewer, item, of, range_m[0], range_m[1]);
@@ -431,6 +463,7 @@ enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_para
     where.screens = screens;
     list->count = 0;
     list->refined.vertex_count = list->refined.index_count = 0;
+    ap_snapped_clear(&list->snapped);
     memset(&list->stats, 0, sizeof list->stats);
     for (int image = 0; image < 2; image++) {
         list->range.near_m[image] = INFINITY;

@@ -17,7 +17,8 @@ struct ap_draw_item {
     bool refined; // mesh lies in the list's own data, not in the scene's
     bool beyond;  // it shows the part farther off than the bound
     struct ap_mesh mesh;
-    double far_m; // discs: their order
+    uint64_t snapped; // 0, or which of the meshes it is that are shared in a frame
+    double far_m;     // discs: their order
     struct ap_iso nose_from_part;
     bool lamp_in_cell; // lit by its cell's lamp, which is at lamp (in the part), not the scene's
     struct ap_vec4 lamp;
@@ -34,6 +35,7 @@ struct ap_draw_list {
     // Meshes made for this frame alone, where none made ahead is good enough.
     struct ap_mesh_data refined;
     struct ap_refiner refiner;
+    struct ap_snapped snapped;
 };
 
 struct ap_list_params {
@@ -65,9 +67,12 @@ enum ap_pipeline_kind ap_pipeline_looked_at(enum ap_pipeline_kind pipeline, bool
 
 // Gives an item, whose place, image and pipeline are known, a mesh that holds the bound: one made
 // ahead, or where none does (or only a large one) one for this frame, which may change the pipeline
-// to one that takes its depth from the surface. Counts what cannot hold the bound.
+// to one that takes its depth from the surface. Its seams are cut as all parts that share them do.
+// Counts what cannot hold the bound. level: one of the shape's that is known to, or
+// AP_LEVEL_UNKNOWN.
+enum { AP_LEVEL_UNKNOWN = -1 };
 enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,
-                                 const struct ap_place *place, struct ap_draw_list *list,
+                                 const struct ap_place *place, int level, struct ap_draw_list *list,
                                  struct ap_draw_item *item);
 
 // Adds one part in one image, seen at distances near_m…far_m, if an eye sees it; counts it if not.

@@ -72,6 +72,14 @@ enum ap_status ap_mesh_data_vertex(struct ap_error *err, struct ap_mesh_data *da
     return st;
 }
 
+enum ap_status ap_mesh_data_copy(struct ap_error *err, struct ap_mesh_data *data,
+                                 const struct ap_vertex *vertex) {
+    enum ap_status st = reserve(err, data, 1, 0);
+    if (st == AP_OK)
+        data->vertices[data->vertex_count++] = *vertex;
+    return st;
+}
+
 enum ap_status ap_mesh_data_triangle(struct ap_error *err, struct ap_mesh_data *data, uint32_t a,
                                      uint32_t b, uint32_t c) {
     enum ap_status st = reserve(err, data, 0, 3);

@@ -26,6 +26,8 @@ struct ap_mesh_data {
 void ap_mesh_data_finish(struct ap_mesh_data *data);
 enum ap_status ap_mesh_data_vertex(struct ap_error *err, struct ap_mesh_data *data,
                                    struct ap_vec4 position, struct ap_vec4 normal);
+enum ap_status ap_mesh_data_copy(struct ap_error *err, struct ap_mesh_data *data,
+                                 const struct ap_vertex *vertex);
 enum ap_status ap_mesh_data_triangle(struct ap_error *err, struct ap_mesh_data *data, uint32_t a,
                                      uint32_t b, uint32_t c);
 

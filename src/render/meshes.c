@@ -84,9 +84,67 @@ static void drop_large(size_t most, struct ap_mesh_data *data, struct ap_shape *
     }
 }
 
+// Point `at` (0…pieces) of a solid's seam, on the space.
+static struct ap_vec4 seam_point(struct ap_space space, const struct ap_solid *solid, int seam,
+                                 int at) {
+    unsigned v = solid->seams[seam * (solid->seam_pieces + 1) + at];
+    const float *p = solid->positions + 3 * v;
+    return ap_exp(space, (struct ap_vec3){p[0], p[1], p[2]});
+}
+
+static double between(struct ap_space space, struct ap_vec4 a, struct ap_vec4 b) {
+    double x = b.x - a.x, y = b.y - a.y, z = b.z - a.z, w = b.w - a.w;
+    double half = sqrt(fmax(x * x + y * y + z * z + space.kappa * w * w, 0)) / 2 / space.rho_m;
+    double t = space.kappa > 0 ? asin(fmin(half, 1)) : space.kappa < 0 ? asinh(half) : half;
+    return 2 * t * space.rho_m;
+}
+
+static struct ap_seam seam_of(struct ap_space space, const struct ap_part *part,
+                              const struct ap_solid *solid, const struct ap_solid *finest, int k) {
+    struct ap_seam seam = {
+        .end = {seam_point(space, solid, k, 0), seam_point(space, solid, k, solid->seam_pieces)}};
+    const struct ap_vec4 *e = seam.end;
+    seam.chord_m = seam.length_m = between(space, e[0], e[1]);
+    if (part->form == AP_FORM_PLANE)
+        return seam;
+    struct ap_vec4 middle = seam_point(space, finest, k, finest->seam_pieces / 2);
+    double half = ap_space_cos(space, seam.chord_m / 2 / space.rho_m) * 2;
+    struct ap_vec4 straight = {(e[0].x + e[1].x) / half, (e[0].y + e[1].y) / half,
+                               (e[0].z + e[1].z) / half, (e[0].w + e[1].w) / half};
+    seam.bulge_m = between(space, middle, straight);
+    if (part->form == AP_FORM_TUBE) {
+        seam.length_m = solid->longest_m * solid->seam_pieces;
+        return seam;
+    }
+    struct ap_vec3 u[2];
+    for (int i = 0; i < 2; i++)
+        u[i] = ap_vec3_normalize((struct ap_vec3){e[i].x, e[i].y, e[i].z});
+    seam.bend_rad = asin(fmin(ap_vec3_length(ap_vec3_sub(u[1], u[0])) / 2, 1));
+    return seam;
+}
+
+// The seams of a solid with a form, and what meshes with coarser ones are made of.
+static enum ap_status keep_seams(struct ap_error *err, const struct ap_scene *scene,
+                                 const struct ap_part *part, struct ap_mesh_data *kept,
+                                 struct ap_shape *shape) {
+    const struct ap_solid *solid = &scene->solids[part->solid];
+    enum ap_status st = AP_OK;
+    if (part->form == AP_FORM_FACETS || solid->seam_count > AP_SEAMS_MAX)
+        return AP_OK;
+    shape->seam_count = solid->seam_count;
+    for (int k = 0; k < shape->seam_count; k++)
+        shape->seam[k] = seam_of(scene->space, part, solid, solid + shape->levels - 1, k);
+    for (int k = 0; st == AP_OK && shape->seam_count > 0 && k < shape->levels; k++) {
+        shape->seam_pieces[k] = solid[k].seam_pieces;
+        shape->seam_vertex[k] = solid[k].seams;
+        st = ap_mesh_solid(err, scene->space, &solid[k], kept, &shape->kept[k]);
+    }
+    return st;
+}
+
 static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *scene,
                                 const struct ap_part *part, struct ap_mesh_data *data,
-                                struct ap_shape *shape) {
+                                struct ap_mesh_data *kept, struct ap_shape *shape) {
     enum ap_status st = AP_OK;
     memset(shape, 0, sizeof *shape);
     switch (part->kind) {
@@ -121,7 +179,7 @@ static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *sce
             shape->step_m[k] = solid->longest_m;
         }
         find_facing(part, &scene->solids[part->solid], shape);
-        return st;
+        return st ? st : keep_seams(err, scene, part, kept, shape);
     }
     return ap_fail(err, AP_INPUT, "a part of an unknown kind %d", (int)part->kind);
 }
@@ -160,7 +218,7 @@ static enum ap_status add_parts(struct ap_error *err, const struct ap_scene *sce
         while (s < made->shape_count && !same_shape(&scene->parts[first_part[s]], part))
             s++;
         if (s == made->shape_count) {
-            st = add_shape(err, scene, part, data, &made->shapes[s]);
+            st = add_shape(err, scene, part, data, &made->kept, &made->shapes[s]);
             drop_large(most, data, &made->shapes[s]);
             first_part[s] = i;
             made->shape_count++;
@@ -194,6 +252,7 @@ static void release(struct ap_meshes *meshes) {
     free(meshes->shapes);
     free(meshes->shape_of_part);
     free(meshes->reach_m);
+    ap_mesh_data_finish(&meshes->kept);
     memset(meshes, 0, sizeof *meshes);
 }
 

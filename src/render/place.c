@@ -191,27 +191,38 @@ static double least_sine(const struct ap_viewer *viewer, const struct ap_eyes *e
     return fmin(s, widened * (1 - fmin(reach / near_m, 1)));
 }
 
-// Pixels a radian, at most, anywhere that the part is seen: off the axis angles are stretched.
-static double pixels_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
-                        const struct ap_part *part, const struct ap_place *place, int image) {
+// Pixels a radian, at most, at these angles from where each eye looks to, seen from the nose, of
+// what is near_m…far_m away: off the axis angles are stretched.
+static double pixels_at(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                        const double off_rad[2], double near_m, double far_m, int image) {
     double rho = viewer->space.rho_m, most = 0;
-    double d = image ? 2 * PI * rho - place->far_m : place->near_m;
+    double d = image ? 2 * PI * rho - far_m : near_m;
     // How far an eye's direction differs from the nose's.
     double aside = eyes->reach_m < d ? asin(eyes->reach_m / d) : PI;
     if (viewer->mode == AP_VIEW_TOURIST) {
-        double s = least_sine(viewer, eyes, place->near_m, place->far_m);
+        double s = least_sine(viewer, eyes, near_m, far_m);
         double beside = ap_space_sin(viewer->space, eyes->reach_m / rho);
         aside = beside < s ? asin(beside / s) : PI;
     }
     for (int e = 0; e < 2; e++) {
-        struct ap_vec3 ahead =
-            ap_quat_rotate(viewer->eye[e].view_from_eye.q, (struct ap_vec3){0, 0, -1});
-        double off = off_axis(viewer->space, part, place, image, ahead) + aside;
-        double corner = atan(eyes->slope[e]);
+        double off = off_rad[e] + aside, corner = atan(eyes->slope[e]);
         double slope = tan(!(off < corner) ? corner : off);
         most = fmax(most, eyes->pixels[e] * (1 + slope * slope));
     }
     return most;
+}
+
+static struct ap_vec3 ahead_of(const struct ap_viewer *viewer, int e) {
+    return ap_quat_rotate(viewer->eye[e].view_from_eye.q, (struct ap_vec3){0, 0, -1});
+}
+
+// Pixels a radian, at most, anywhere that the part is seen.
+static double pixels_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                        const struct ap_part *part, const struct ap_place *place, int image) {
+    double off[2];
+    for (int e = 0; e < 2; e++)
+        off[e] = off_axis(viewer->space, part, place, image, ahead_of(viewer, e));
+    return pixels_at(viewer, eyes, off, place->near_m, place->far_m, image);
 }
 
 // How far inside a round outline of radius r_m its facets fall, radians, where its middle or its
@@ -285,6 +296,53 @@ static double longest_facet(const struct ap_viewer *viewer, const struct ap_plac
     return 0.3 * fmax(PI * rho - place->far_m, 0);
 }
 
+// A solid's facets: those of its round side turn by grain_rad.
+static double solid_error(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                          const struct ap_place *place, int image, double radius_m,
+                          double grain_rad, double step_m, bool tube) {
+    double round = 0, near_m = place->near_m + radius_m, far_m = place->far_m - radius_m;
+    if (radius_m > 0)
+        round = outline_error(viewer, eyes, radius_m, near_m, far_m, grain_rad, tube ? step_m : 0);
+    return round + edge_error(viewer, eyes, place, image, step_m, false);
+}
+
+// What ap_refine_part would cut for its length alone is not left to it: the rest of its part could
+// not come near it.
+static bool short_enough(const struct ap_viewer *viewer, const struct ap_line *line, int image,
+                         double grain_rad, double step_m) {
+    double rho = viewer->space.rho_m, near = line->near_m / rho, far = line->far_m / rho;
+    bool straight = line->radius_m == 0 && viewer->space.kappa == 0;
+    if (viewer->mode == AP_VIEW_TOURIST || straight)
+        return true;
+    if (viewer->space.kappa <= 0)
+        return step_m < 0.7 * line->near_m;
+    // Tangent space is so much wider there than what it shows.
+    double stretch = far > PI / 2 ? far / sin(far) : 1, d = line->near_m;
+    if (image == 1) {
+        stretch = (2 * PI - near) / fmin(sin(near), sin(far));
+        d = 2 * PI * rho - line->far_m;
+    }
+    double wide = step_m * stretch, round = line->radius_m * grain_rad * grain_rad / 2 * stretch;
+    return wide < 0.7 * d && wide * wide / (8 * d) + round < 0.015 * d;
+}
+
+double ap_line_error_px(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                        const struct ap_line *line, int image, double grain_rad, double step_m) {
+    const struct ap_place place = {.near_m = line->near_m, .far_m = line->far_m};
+    if (viewer->mode == AP_VIEW_BORN || !(step_m < longest_facet(viewer, &place)) ||
+        !short_enough(viewer, line, image, grain_rad, step_m))
+        return INFINITY;
+    double off[2] = {PI, PI}; // in s3 what is between the ends may be farther off than they are
+    for (int e = 0; e < 2 && viewer->space.kappa <= 0; e++)
+        for (int i = 0; i < 2; i++) {
+            double c = ap_vec3_dot(ahead_of(viewer, e), line->toward[i]);
+            off[e] = fmax(i ? off[e] : 0, acos(fmin(fmax(c, -1), 1)));
+        }
+    return solid_error(viewer, eyes, &place, image, line->radius_m, grain_rad, step_m,
+                       grain_rad == 0) *
+           pixels_at(viewer, eyes, off, line->near_m, line->far_m, image);
+}
+
 enum { LIT_LEVEL = 2 }; // a polygon's from which on light at the corners always does
 
 static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
@@ -312,12 +370,8 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
     case AP_PART_SOLID:
         if (shape->levels < 2 || (grain == 0 && step == 0)) // it is what its mesh says
             return true;
-        return (radius > 0 ? outline_error(viewer, eyes, radius, place->near_m + radius,
-                                           place->far_m - radius, grain,
-                                           part->form == AP_FORM_TUBE ? step : 0)
-                           : 0) +
-                       edge_error(viewer, eyes, place, image, step, false) <
-                   max_rad &&
+        return solid_error(viewer, eyes, place, image, radius, grain, step,
+                           part->form == AP_FORM_TUBE) < max_rad &&
                step < longest;
     }
     return true;

@@ -46,6 +46,19 @@ bool ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                      const struct ap_part *part, const struct ap_shape *shape,
                      const struct ap_place *place, int image, double max_error_px, int *level);
 
+// A line of a tube, a sphere (radius_m about their axis and middle) or a plane (0), as the nose
+// sees it: where its ends are, unit, and what its points' distances lie between.
+struct ap_line {
+    struct ap_vec3 toward[2];
+    double near_m, far_m, radius_m;
+};
+
+// By the same bounds: how far from the line its polyline of pieces step_m long is seen, at most, in
+// pixels of either eye; on a sphere each is grain_rad wide to either side of its middle. INFINITY
+// where they say nothing. Never more than they say of a mesh with such steps that holds the line.
+double ap_line_error_px(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                        const struct ap_line *line, int image, double grain_rad, double step_m);
+
 // How far 1/distance is off in h3, at most, on a straight triangle in tangent space for a geodesic
 // one: over 1/rho; the longest edge and the distance of the nearest point over rho, length < d. It
 // is the edge whose middle is nearest, with an allowance: the worst of 40,000 random triangles is

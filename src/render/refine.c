@@ -3,12 +3,14 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "src/geom/table.h"
 #include "src/render/refine_stick.h"
 
 static const double PI = 3.14159265358979323846;
 static const double SHARE = 0.75; // of the bound: what an edge's middle may use up
+static const double AS_FAR = 1.1; // of what a seam is off: what edges there may be
 // How far an edge's middle may be from its distance, of that distance: part_guard.glsl drops what
 // is 5 % off.
 static const double DEPTH_SHARE = 0.02;
@@ -25,8 +27,17 @@ enum {
     GRID_MAX = 50000
 };
 
+// How far a straight edge is off, pixels: in direction, and with its share of the error in depth.
+struct error {
+    double aside, all;
+    double length; // over rho: up to which too long is not
+};
+
 struct ap_refine_node {
     struct ap_surface_point point;
+    unsigned char seams;  // bit k: it lies on the part's seam k
+    unsigned char depth;  // it halves a piece of the seam that was cut so often
+    struct error allowed; // of edges that end here
 };
 
 struct ap_refine_edge {
@@ -84,7 +95,7 @@ static uint32_t add_node(struct work *w, struct ap_surface_point point) {
         return 0;
     if (w->faces)
         ap_surface_face(&w->surface, &point);
-    w->r->nodes[w->r->node_count].point = point;
+    w->r->nodes[w->r->node_count] = (struct ap_refine_node){.point = point};
     return (uint32_t)w->r->node_count++;
 }
 
@@ -136,9 +147,10 @@ static bool rehash(struct work *w) {
     return true;
 }
 
-static double chord(struct ap_vec4 p, struct ap_vec4 q) {
+// The same in any part's coordinates.
+static double chord(struct ap_space space, struct ap_vec4 p, struct ap_vec4 q) {
     double x = p.x - q.x, y = p.y - q.y, z = p.z - q.z, w = p.w - q.w;
-    return sqrt(x * x + y * y + z * z + w * w);
+    return sqrt(fmax(x * x + y * y + z * z + space.kappa * w * w, 0));
 }
 
 // Whether something of the edge may be outside the forbidden millimetre: there alone it matters.
@@ -180,33 +192,85 @@ static bool too_long(const struct work *w, const struct ap_surface_point *a,
     return false;
 }
 
-// Whether the straight edge from a to b is close enough to the surface; m: the middle.
-static bool close_enough(const struct work *w, const struct ap_surface_point *a,
-                         const struct ap_surface_point *b, const struct ap_surface_point *m) {
+static double off_px(struct work *w, const struct ap_surface_point *a,
+                     const struct ap_surface_point *b, const struct ap_surface_point *m) {
     const struct ap_surface *s = &w->surface;
     const struct ap_eyes *eyes = w->params->eyes;
-    double bound = SHARE * w->params->max_error_px;
-    if (too_long(w, a, b, m) || !(ap_surface_error_px(s, eyes, a, b, 0.5, m) <= bound))
-        return false;
+    double off = ap_surface_error_px(s, eyes, a, b, 0.5, m);
     // What runs around an axis as well as along it is seen as an S, whose middle says nothing.
     bool along = fabs(a->along - b->along) > 1e-9,
          around = ap_vec3_dot(a->from, b->from) < 1 - 1e-12;
     if (s->shape != AP_SURFACE_TUBE || !along || !around)
-        return true;
+        return off;
     struct ap_surface_point first = ap_surface_middle(s, a, m), last = ap_surface_middle(s, m, b);
-    return ap_surface_error_px(s, eyes, a, b, 0.25, &first) <= bound &&
-           ap_surface_error_px(s, eyes, a, b, 0.75, &last) <= bound;
+    return fmax(off, fmax(ap_surface_error_px(s, eyes, a, b, 0.25, &first),
+                          ap_surface_error_px(s, eyes, a, b, 0.75, &last)));
+}
+
+static double aside_px(struct work *w, const struct ap_surface_point *a,
+                       const struct ap_surface_point *b, const struct ap_surface_point *m) {
+    bool own = w->surface.any_depth;
+    w->surface.any_depth = true;
+    double off = off_px(w, a, b, m);
+    w->surface.any_depth = own;
+    return off;
+}
+
+// Whether the straight edge from a to b is close enough to the surface; m: the middle. allowed:
+// more than the bound, or 0.
+static bool close_enough(struct work *w, const struct ap_surface_point *a,
+                         const struct ap_surface_point *b, const struct ap_surface_point *m,
+                         struct error allowed) {
+    double bound = SHARE * w->params->max_error_px;
+    if (too_long(w, a, b, m) && !(chord(w->surface.space, a->p, b->p) <= allowed.length))
+        return false;
+    double off = off_px(w, a, b, m);
+    return off <= bound ||
+           (off <= allowed.all && aside_px(w, a, b, m) <= fmax(bound, allowed.aside));
 }
 
 static bool cut(struct work *w, const struct ap_surface_point *a, const struct ap_surface_point *b,
-                const struct ap_surface_point *m) {
+                const struct ap_surface_point *m, struct error allowed) {
     if (w->cut_all)
         return true;
-    if (close_enough(w, a, b, m))
+    if (close_enough(w, a, b, m, allowed))
         return false;
-    if (chord(a->p, b->p) > w->shortest)
+    if (chord(w->surface.space, a->p, b->p) > w->shortest)
         return true;
     w->held &= !matters(w, a, b, m);
+    return false;
+}
+
+static void allow(struct ap_refine_node *node, struct error more) {
+    node->allowed.aside = fmax(node->allowed.aside, more.aside);
+    node->allowed.all = fmax(node->allowed.all, more.all);
+    node->allowed.length = fmax(node->allowed.length, more.length);
+}
+
+// A piece of a seam is cut by what the seam is alone, so that the part beyond does the same. Where
+// that leaves it coarser than edges are here, those that end at it may be as far off as it is: else
+// there would be no end to them.
+static bool cut_seam(struct work *w, uint32_t i, uint32_t j, int k,
+                     const struct ap_surface_point *m) {
+    struct ap_refine_node *a = &w->r->nodes[i], *b = &w->r->nodes[j];
+    const struct ap_seam_cut *seam = &w->params->seams[k];
+    bool own = w->surface.any_depth, yes;
+    if (seam->depth == AP_SEAM_BY_PIECE) {
+        w->surface.any_depth = seam->any_depth;
+        yes = cut(w, &a->point, &b->point, m, (struct error){0, 0, 0});
+        w->surface.any_depth = own;
+    } else {
+        yes = (a->depth > b->depth ? a->depth : b->depth) < seam->depth;
+    }
+    if (yes)
+        return true;
+    const struct error off = {AS_FAR * aside_px(w, &a->point, &b->point, m),
+                              AS_FAR * off_px(w, &a->point, &b->point, m),
+                              too_long(w, &a->point, &b->point, m)
+                                  ? AS_FAR * chord(w->surface.space, a->point.p, b->point.p)
+                                  : 0};
+    allow(a, off);
+    allow(b, off);
     return false;
 }
 
@@ -220,9 +284,20 @@ static uint32_t middle_of(struct work *w, uint32_t i, uint32_t j) {
     size_t slot = slot_of(r, key);
     if (in_use(r, slot))
         return r->edges[slot].middle;
-    const struct ap_surface_point *a = &r->nodes[low].point, *b = &r->nodes[high].point;
-    struct ap_surface_point m = ap_surface_middle(&w->surface, a, b);
-    uint32_t middle = cut(w, a, b, &m) ? add_node(w, m) : NOT_CUT;
+    const struct ap_refine_node *a = &r->nodes[low], *b = &r->nodes[high];
+    struct ap_surface_point m = ap_surface_middle(&w->surface, &a->point, &b->point);
+    unsigned char seams = a->seams & b->seams;
+    unsigned char depth = (a->depth > b->depth ? a->depth : b->depth) + 1;
+    const struct error allowed = {fmax(a->allowed.aside, b->allowed.aside),
+                                  fmax(a->allowed.all, b->allowed.all),
+                                  fmax(a->allowed.length, b->allowed.length)};
+    bool yes = seams ? cut_seam(w, low, high, ffs(seams) - 1, &m)
+                     : cut(w, &a->point, &b->point, &m, allowed);
+    uint32_t middle = yes ? add_node(w, m) : NOT_CUT;
+    if (yes && seams && w->st == AP_OK) {
+        r->nodes[middle].seams = seams;
+        r->nodes[middle].depth = depth;
+    }
     r->edges[slot] = (struct ap_refine_edge){key, middle};
     r->edge_count++;
     return middle;
@@ -445,20 +520,52 @@ static void begin_polygon(struct work *w) {
         push(w, 0, 0, (uint32_t)(i == 0 ? part->sides : i), (uint32_t)i + 1);
 }
 
-// From the coarsest of its meshes made ahead.
-static void begin_solid(struct work *w) {
-    const struct ap_solid *solid = w->params->solid;
+// A vertex of a solid.
+static struct ap_surface_point solid_point(const struct work *w, const float *v) {
     double rho = w->surface.space.rho_m;
-    for (size_t i = 0; i < solid->vertex_count && w->st == AP_OK; i++) {
-        const float *v = solid->positions + 3 * i;
-        struct ap_vec4 p = ap_exp(w->surface.space, (struct ap_vec3){v[0], v[1], v[2]});
-        struct ap_surface_point point = ap_surface_point_of(
-            &w->surface, (struct ap_vec4){p.x / rho, p.y / rho, p.z / rho, p.w / rho});
-        ap_surface_see(&w->surface, &point);
-        add_node(w, point);
+    struct ap_vec4 p = ap_exp(w->surface.space, (struct ap_vec3){v[0], v[1], v[2]});
+    struct ap_surface_point point = ap_surface_point_of(
+        &w->surface, (struct ap_vec4){p.x / rho, p.y / rho, p.z / rho, p.w / rho});
+    ap_surface_see(&w->surface, &point);
+    return point;
+}
+
+// The same node for the same place, so that nothing is judged twice.
+static uint32_t shared_node(struct work *w, struct ap_surface_point point) {
+    for (uint32_t i = 0; i < w->r->node_count; i++) {
+        const struct ap_vec4 *q = &w->r->nodes[i].point.p;
+        if (q->x == point.p.x && q->y == point.p.y && q->z == point.p.z)
+            return i;
     }
+    return add_node(w, point);
+}
+
+// From a mesh made ahead as it is.
+static void begin_mesh(struct work *w) {
+    const struct ap_solid *solid = w->params->solid;
+    for (size_t i = 0; i < solid->vertex_count && w->st == AP_OK; i++)
+        add_node(w, solid_point(w, solid->positions + 3 * i));
     for (size_t i = 0; i + 2 < solid->index_count && w->st == AP_OK; i += 3)
         push(w, 0, solid->indices[i], solid->indices[i + 1], solid->indices[i + 2]);
+}
+
+// From the coarsest of its meshes made ahead, which has few vertices and whole seams.
+enum { COARSEST_MAX = 64 };
+static void begin_solid(struct work *w) {
+    const struct ap_solid *solid = w->params->solid;
+    uint32_t node[COARSEST_MAX];
+    if (!w->params->seams || solid->vertex_count > COARSEST_MAX) {
+        begin_mesh(w);
+        return;
+    }
+    for (size_t i = 0; i < solid->vertex_count && w->st == AP_OK; i++)
+        node[i] = shared_node(w, solid_point(w, solid->positions + 3 * i));
+    for (int k = 0; k < solid->seam_count && w->st == AP_OK; k++)
+        for (int i = 0; i <= 1; i++)
+            w->r->nodes[node[solid->seams[2 * k + i]]].seams |= (unsigned char)(1 << k);
+    for (size_t i = 0; i + 2 < solid->index_count && w->st == AP_OK; i += 3)
+        push(w, 0, node[solid->indices[i]], node[solid->indices[i + 1]],
+             node[solid->indices[i + 2]]);
 }
 
 static void write_nodes(struct work *w) {
@@ -501,7 +608,7 @@ bool ap_refine_holds(struct ap_refiner *r, const struct ap_refine_params *params
     struct ap_error err;
     struct work w = {.err = &err, .r = r, .params = params, .held = true, .st = AP_OK};
     begin(&w, part);
-    begin_solid(&w);
+    begin_mesh(&w);
     while (w.st == AP_OK && w.held && w.stack_count > 0) {
         struct triangle t = w.stack[--w.stack_count];
         if (out_of_sight(&w, &t) || turned_away(&w, &t))

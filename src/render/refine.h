@@ -3,6 +3,7 @@
 
 #include "src/render/frame.h"
 #include "src/render/mesh.h"
+#include "src/render/seam.h"
 
 // Triangles for one part as two eyes see it from one place: an edge is cut in two where the
 // straight line that the GPU will draw for it is seen farther than the bound from the surface it
@@ -17,6 +18,8 @@ struct ap_refine_params {
                                   // or the one that ap_refine_holds is asked about
     double max_error_px;          // of either eye's picture
     size_t triangles_max;
+    // Its seams and how they are cut, by the solid's own order; NULL: it has none.
+    const struct ap_seam_cut *seams;
     bool any_depth; // an error in depth does not show
     bool closed;    // back faces are not drawn: they need not be there
     // Triangles that no eye sees are made all the same, coarse; else they are left out and counted

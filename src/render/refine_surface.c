@@ -251,9 +251,15 @@ static double clamped(double t) {
 }
 
 // The direction u against the nearest of those of the straight line between the directions p and q;
-// the square of the angle, by its sine.
+// the square of the angle, by its sine. Of a plane through the eye, however long the line is.
 static double off_line2(struct ap_vec3 p, struct ap_vec3 q, struct ap_vec3 u) {
-    struct ap_vec3 along = ap_vec3_sub(q, p);
+    struct ap_vec3 across = ap_vec3_cross(p, q), along = ap_vec3_sub(q, p);
+    double size = ap_vec3_dot(across, across), up = ap_vec3_dot(u, p), uq = ap_vec3_dot(u, q),
+           pq = ap_vec3_dot(p, q);
+    if (size > 1e-16 && uq >= up * pq && up >= uq * pq) {
+        double off = ap_vec3_dot(u, across);
+        return off * off / size;
+    }
     double square = ap_vec3_dot(along, along);
     double t = square > 0 ? ap_vec3_dot(ap_vec3_sub(u, p), along) / square : 0;
     struct ap_vec3 c = ap_vec3_add(p, ap_vec3_scale(clamped(t), along)), x = ap_vec3_cross(u, c);

@@ -50,13 +50,18 @@ struct ap_iso ap_joint_place(const struct ap_tiling *t, int vertex) {
                       ap_shift(t->space, 0, 0, -t->circumradius_m));
 }
 
-// A point on the geodesic from a to b, at the share k/n of their chord.
+// The point of the geodesic from a to b at the share `s` of its length; the ends are a and b to the
+// last bit, so that what meets there has one corner.
 static struct ap_vec4 along(struct ap_space space, struct ap_vec4 a, struct ap_vec4 b, double s) {
-    struct ap_vec4 p = {a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), a.z + s * (b.z - a.z),
-                        a.w + s * (b.w - a.w)};
-    double square = p.x * p.x + p.y * p.y + p.z * p.z + space.kappa * p.w * p.w;
-    double to = space.kappa ? space.rho_m / sqrt(space.kappa * square) : 1;
-    return (struct ap_vec4){to * p.x, to * p.y, to * p.z, to * p.w};
+    double rho = space.rho_m, x = b.x - a.x, y = b.y - a.y, z = b.z - a.z, w = b.w - a.w;
+    double half = sqrt(fmax(x * x + y * y + z * z + space.kappa * w * w, 0)) / rho / 2;
+    double t = space.kappa > 0 ? 2 * asin(half) : space.kappa < 0 ? 2 * asinh(half) : 2 * half;
+    if (s <= 0 || s >= 1 || !(t > 0))
+        return s < 0.5 ? a : b;
+    double p = ap_space_sin(space, (1 - s) * t) / ap_space_sin(space, t),
+           q = ap_space_sin(space, s * t) / ap_space_sin(space, t);
+    return (struct ap_vec4){p * a.x + q * b.x, p * a.y + q * b.y, p * a.z + q * b.z,
+                            p * a.w + q * b.w};
 }
 
 // Corner k of a face, seen from its centre, drawn in by `width` of the way there.
@@ -103,11 +108,13 @@ void ap_mesh_wall(const struct ap_tiling *t, double width, int fine, struct ap_m
     int across = (int)ceil(fine * width * ap_vec3_length(corner[0]) / t->edge_m);
     across = across < ACROSS_MAX ? across : ACROSS_MAX;
     *longest_m = 0;
+    ap_mesh_seams(mesh, p, fine);
     for (int k = 0; k < p; k++) {
         unsigned before = 0;
         for (int i = 0; i <= fine; i++) {
             unsigned first = (unsigned)mesh->solid.vertex_count;
             wall_row(t, corner + k, width, (double)i / fine, across, row);
+            ap_mesh_seam_vertex(mesh, k, i, first);
             for (int j = 0; j <= across; j++)
                 ap_mesh_vertex(mesh, row[j], (struct ap_vec3){0, 1, 0});
             for (unsigned j = 0; i > 0 && j < (unsigned)across; j++) {
@@ -189,6 +196,7 @@ void ap_mesh_strut(const struct ap_tiling *t, double radius_m, int fine, struct 
     int around = fine <= 2 ? fine : fine <= 4 ? 3 : fine / 2;
     int steps = fine < 4 || (space.kappa == 0 && fine < 32) ? 1 : fine / 2;
     unsigned before = 0;
+    ap_mesh_seams(mesh, 2, steps);
     for (int i = 0; i <= steps; i++) {
         double x = half * (2.0 * i / steps - 1);
         unsigned row = (unsigned)mesh->solid.vertex_count;
@@ -199,6 +207,8 @@ void ap_mesh_strut(const struct ap_tiling *t, double radius_m, int fine, struct 
             struct ap_vec3 out = {0, sin(phi), cos(phi)};
             ap_mesh_vertex(mesh, v, chart_normal(space, v, &at, out));
         }
+        ap_mesh_seam_vertex(mesh, 0, i, row);
+        ap_mesh_seam_vertex(mesh, 1, i, row + (unsigned)around);
         for (unsigned j = 0; i > 0 && j < (unsigned)around; j++) {
             ap_mesh_triangle(mesh, before + j, row + j, row + j + 1);
             ap_mesh_triangle(mesh, before + j, row + j + 1, before + j + 1);
@@ -226,19 +236,18 @@ static double widest_turn(const struct ap_solid *solid, size_t first_index) {
     return acos(least);
 }
 
-void ap_mesh_joint(const struct ap_tiling *t, double radius_m, int fine, struct ap_mesh *mesh,
-                   double *longest_m, double *turn_rad) {
-    struct ap_space space = t->space;
-    size_t first_index = mesh->solid.index_count;
-    struct ap_iso vertex_from_cell = ap_iso_inverse(space, ap_joint_place(t, 0));
-    struct ap_vec3 corner[5];
+// Directions from a joint to the other ends of the cell's edges there, counterclockwise seen from
+// within the cell, which is toward +z; returns how many.
+static int joint_corners(const struct ap_tiling *t, struct ap_vec3 corner[5]) {
+    struct ap_iso vertex_from_cell = ap_iso_inverse(t->space, ap_joint_place(t, 0));
     int count = 0;
     for (int e = 0; e < t->edge_count; e++)
         for (int side = 0; side < 2; side++)
-            if (t->edge_vertex[e][side] == 0)
-                corner[count++] = ap_vec3_normalize(log_of(
-                    space, ap_iso_apply(&vertex_from_cell, t->vertex_m[t->edge_vertex[e][!side]])));
-    // Counterclockwise seen from within the cell, which is toward +z.
+            if (t->edge_vertex[e][side] == 0) {
+                struct ap_vec4 end = t->vertex_m[t->edge_vertex[e][!side]];
+                end = ap_iso_apply(&vertex_from_cell, end);
+                corner[count++] = ap_vec3_normalize(log_of(t->space, end));
+            }
     for (int i = 0; i < count; i++)
         for (int j = i + 1; j < count; j++)
             if (atan2(corner[j].y, corner[j].x) < atan2(corner[i].y, corner[i].x)) {
@@ -246,26 +255,51 @@ void ap_mesh_joint(const struct ap_tiling *t, double radius_m, int fine, struct 
                 corner[i] = corner[j];
                 corner[j] = swap;
             }
-    struct ap_vec3 top = {0, 0, 1};
-    *longest_m = 1.3 * radius_m * acos(corner[0].z) / fine;
+    return count;
+}
+
+// A row of a joint's piece between top, a and b: the share `down` of the way from the top, i of n.
+static void joint_row(const struct ap_vec3 at[3], double down, int n, struct ap_vec3 row[]) {
+    const struct ap_space ball = {1, 1};
+    struct ap_vec4 p[3];
+    for (int k = 0; k < 3; k++)
+        p[k] = (struct ap_vec4){at[k].x, at[k].y, at[k].z, 0};
+    struct ap_vec4 a = along(ball, p[0], p[1], down), b = along(ball, p[0], p[2], down);
+    for (int j = 0; j <= n; j++) {
+        struct ap_vec4 d = along(ball, a, b, n ? (double)j / n : 0);
+        row[j] = ap_vec3_normalize((struct ap_vec3){d.x, d.y, d.z});
+    }
+}
+
+void ap_mesh_joint(const struct ap_tiling *t, double radius_m, int fine, struct ap_mesh *mesh,
+                   double *longest_m, double *turn_rad) {
+    size_t first_index = mesh->solid.index_count;
+    struct ap_vec3 corner[5], row[ACROSS_MAX + 1], last[ACROSS_MAX + 1];
+    int count = joint_corners(t, corner);
+    double longest = 0;
+    ap_mesh_seams(mesh, count, fine);
     for (int k = 0; k < count; k++) {
-        struct ap_vec3 a = corner[k], b = corner[(k + 1) % count];
+        const struct ap_vec3 at[3] = {{0, 0, 1}, corner[k], corner[(k + 1) % count]};
         unsigned before = 0;
         for (int i = 0; i <= fine; i++) {
-            unsigned row = (unsigned)mesh->solid.vertex_count;
-            for (int j = 0; j <= i; j++) {
-                struct ap_vec3 d = ap_vec3_scale((double)(fine - i) / fine, top);
-                d = ap_vec3_add(d, ap_vec3_scale((double)(i - j) / fine, a));
-                d = ap_vec3_normalize(ap_vec3_add(d, ap_vec3_scale((double)j / fine, b)));
-                ap_mesh_vertex(mesh, ap_vec3_scale(radius_m, d), d);
-            }
+            unsigned first = (unsigned)mesh->solid.vertex_count;
+            joint_row(at, (double)i / fine, i, row);
+            for (int j = 0; j <= i; j++)
+                ap_mesh_vertex(mesh, ap_vec3_scale(radius_m, row[j]), row[j]);
+            for (int j = 0; i == fine && j <= i; j++)
+                ap_mesh_seam_vertex(mesh, k, j, first + (unsigned)j);
             for (unsigned j = 0; i > 0 && j < (unsigned)i; j++) {
-                ap_mesh_triangle(mesh, before + j, row + j, row + j + 1);
+                ap_mesh_triangle(mesh, before + j, first + j, first + j + 1);
                 if (j + 1 < (unsigned)i)
-                    ap_mesh_triangle(mesh, before + j, row + j + 1, before + j + 1);
+                    ap_mesh_triangle(mesh, before + j, first + j + 1, before + j + 1);
+                longest = fmax(longest, ap_vec3_length(ap_vec3_sub(row[j], row[j + 1])));
+                longest = fmax(longest, ap_vec3_length(ap_vec3_sub(row[j], last[j])));
+                longest = fmax(longest, ap_vec3_length(ap_vec3_sub(row[j + 1], last[j])));
             }
-            before = row;
+            memcpy(last, row, sizeof last);
+            before = first;
         }
     }
+    *longest_m = longest * t->space.rho_m * ap_space_sin(t->space, radius_m / t->space.rho_m);
     *turn_rad = widest_turn(&mesh->solid, first_index);
 }

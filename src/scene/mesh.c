@@ -23,6 +23,7 @@ void ap_mesh_finish(struct ap_mesh *mesh) {
     free(mesh->solid.positions);
     free(mesh->solid.normals);
     free(mesh->solid.indices);
+    free(mesh->solid.seams);
     *mesh = (struct ap_mesh){0};
 }
 
@@ -36,6 +37,18 @@ void ap_mesh_reserve(struct ap_mesh *mesh, size_t vertex_count, size_t index_cou
         return;
     s->vertex_count = mesh->vertex_room = vertex_count;
     s->index_count = mesh->index_room = index_count;
+}
+
+void ap_mesh_seams(struct ap_mesh *mesh, int count, int pieces) {
+    mesh->solid.seams = calloc((size_t)count * (size_t)(pieces + 1), sizeof *mesh->solid.seams);
+    mesh->out_of_memory = mesh->out_of_memory || !mesh->solid.seams;
+    mesh->solid.seam_count = count;
+    mesh->solid.seam_pieces = pieces;
+}
+
+void ap_mesh_seam_vertex(struct ap_mesh *mesh, int seam, int i, unsigned vertex) {
+    if (mesh->solid.seams)
+        mesh->solid.seams[seam * (mesh->solid.seam_pieces + 1) + i] = vertex;
 }
 
 void ap_mesh_measure(struct ap_mesh *mesh) {

@@ -34,6 +34,11 @@ unsigned ap_mesh_vertex(struct ap_mesh *mesh, struct ap_vec3 position, struct ap
 // Counterclockwise from outside.
 void ap_mesh_triangle(struct ap_mesh *mesh, unsigned a, unsigned b, unsigned c);
 
+// Lines of the rim that neighbours share, of so many pieces each (ap_solid); then each one's
+// vertices, i = 0…pieces.
+void ap_mesh_seams(struct ap_mesh *mesh, int count, int pieces);
+void ap_mesh_seam_vertex(struct ap_mesh *mesh, int seam, int i, unsigned vertex);
+
 // An ellipsoid with the semi-axes `radii`, placed by mesh_from_shape.
 void ap_mesh_ellipsoid(struct ap_mesh *mesh, struct ap_pose mesh_from_shape, struct ap_vec3 radii);
 

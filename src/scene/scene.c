@@ -248,6 +248,7 @@ void ap_scene_destroy(struct ap_scene *scene) {
         free(scene->solids[i].positions);
         free(scene->solids[i].normals);
         free(scene->solids[i].indices);
+        free(scene->solids[i].seams);
     }
     free(scene->solids);
     free(scene->honeycomb);

@@ -55,6 +55,10 @@ struct ap_solid {
     // A level of a part with several: its longest edge, and half the angle that a facet of its
     // round side turns by (the part's radius_m is the round side's). 0: not known.
     double longest_m, turn_rad;
+    // Lines of its rim that neighbours share, who draw them as the same polylines: of each, from end
+    // to end, the vertices that cut it into seam_pieces (a power of two) of equal lengths.
+    unsigned *seams; // seam_count·(seam_pieces + 1)
+    int seam_count, seam_pieces;
 };
 
 // A short text on balls (AP_FINISH_POOL, _STRIPED).
