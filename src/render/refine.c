@@ -30,7 +30,6 @@ enum {
 // How far a straight edge is off, pixels: in direction, and with its share of the error in depth.
 struct error {
     double aside, all;
-    double length; // over rho: up to which too long is not
 };
 
 struct ap_refine_node {
@@ -222,7 +221,7 @@ static bool close_enough(struct work *w, const struct ap_surface_point *a,
                          const struct ap_surface_point *b, const struct ap_surface_point *m,
                          struct error allowed) {
     double bound = SHARE * w->params->max_error_px;
-    if (too_long(w, a, b, m) && !(chord(w->surface.space, a->p, b->p) <= allowed.length))
+    if (too_long(w, a, b, m))
         return false;
     double off = off_px(w, a, b, m);
     return off <= bound ||
@@ -244,7 +243,6 @@ static bool cut(struct work *w, const struct ap_surface_point *a, const struct a
 static void allow(struct ap_refine_node *node, struct error more) {
     node->allowed.aside = fmax(node->allowed.aside, more.aside);
     node->allowed.all = fmax(node->allowed.all, more.all);
-    node->allowed.length = fmax(node->allowed.length, more.length);
 }
 
 // A piece of a seam is cut by what the seam is alone, so that the part beyond does the same. Where
@@ -257,7 +255,7 @@ static bool cut_seam(struct work *w, uint32_t i, uint32_t j, int k,
     bool own = w->surface.any_depth, yes;
     if (seam->depth == AP_SEAM_BY_PIECE) {
         w->surface.any_depth = seam->any_depth;
-        yes = cut(w, &a->point, &b->point, m, (struct error){0, 0, 0});
+        yes = cut(w, &a->point, &b->point, m, (struct error){0, 0});
         w->surface.any_depth = own;
     } else {
         yes = (a->depth > b->depth ? a->depth : b->depth) < seam->depth;
@@ -265,10 +263,7 @@ static bool cut_seam(struct work *w, uint32_t i, uint32_t j, int k,
     if (yes)
         return true;
     const struct error off = {AS_FAR * aside_px(w, &a->point, &b->point, m),
-                              AS_FAR * off_px(w, &a->point, &b->point, m),
-                              too_long(w, &a->point, &b->point, m)
-                                  ? AS_FAR * chord(w->surface.space, a->point.p, b->point.p)
-                                  : 0};
+                              AS_FAR * off_px(w, &a->point, &b->point, m)};
     allow(a, off);
     allow(b, off);
     return false;
@@ -289,8 +284,7 @@ static uint32_t middle_of(struct work *w, uint32_t i, uint32_t j) {
     unsigned char seams = a->seams & b->seams;
     unsigned char depth = (a->depth > b->depth ? a->depth : b->depth) + 1;
     const struct error allowed = {fmax(a->allowed.aside, b->allowed.aside),
-                                  fmax(a->allowed.all, b->allowed.all),
-                                  fmax(a->allowed.length, b->allowed.length)};
+                                  fmax(a->allowed.all, b->allowed.all)};
     bool yes = seams ? cut_seam(w, low, high, ffs(seams) - 1, &m)
                      : cut(w, &a->point, &b->point, &m, allowed);
     uint32_t middle = yes ? add_node(w, m) : NOT_CUT;
