@@ -48,7 +48,8 @@ sum() {
 		if (skip) skip = 0
 		else { k = object SUBSEP file; if (!(k in of)) of[k] = whose(object, file); cost[of[k]] += $2 }
 	}
-	END { printf "%d %d %d %d %d\n", cost["placing"], cost["device"], cost["compiling"],
+	# Not %d, which mawk stops at 2^31.
+	END { printf "%.0f %.0f %.0f %.0f %.0f\n", cost["placing"], cost["device"], cost["compiling"],
 		cost["files"], cost["other"] }' "$1"
 }
 
