@@ -230,11 +230,21 @@ static size_t refined_cap(const struct ap_scene *scene) {
 }
 
 // What the budget has room for, at some 128 bytes each for what the list and two frames hold, room
-// to grow included: a quarter, three where the cells that there are need next to nothing of it.
-static size_t refined_max(const struct ap_scene *scene) {
+// to grow included: a quarter, three where the cells that there are need next to nothing of it but
+// for the meshes made ahead.
+static size_t refined_max(const struct ap_list_params *params) {
+    const struct ap_scene *scene = params->scene;
     bool finite = scene->honeycomb && scene->honeycomb->tiling.cell_count > 0;
-    size_t most = ap_scene_budget(scene) / 4 * (finite ? 3 : 1) / 128, cap = refined_cap(scene);
+    size_t room = ap_scene_budget(scene) / 4 * (finite ? 3 : 1),
+           ahead = finite ? params->meshes->vertices.size + params->meshes->indices.size : 0;
+    size_t most = (room > ahead ? room - ahead : 0) / 128, cap = refined_cap(scene);
     return most < cap ? most : cap;
+}
+
+// Of that: small pieces have more vertices than triangles.
+static size_t refined_used(const struct ap_draw_list *list) {
+    size_t triangles = list->refined.index_count / 3, vertices = list->refined.vertex_count;
+    return triangles > vertices + vertices / 2 ? triangles : vertices + vertices / 2;
 }
 
 // A closed bound that is missed by no more than this may be too careful.
@@ -278,7 +288,7 @@ static enum ap_status refine(struct ap_error *err, const struct ap_list_params *
                              struct ap_draw_list *list, struct ap_draw_item *item) {
     const struct ap_viewer *viewer = &params->input->viewer;
     const struct ap_part *part = &params->scene->parts[item->part];
-    size_t used = list->refined.index_count / 3, most = refined_max(params->scene);
+    size_t used = refined_used(list), most = refined_max(params);
     bool stretched = is_stretched(params, place, item);
     if (stretched)
         item->pipeline = exact(item->pipeline);
@@ -293,7 +303,7 @@ static enum ap_status refine(struct ap_error *err, const struct ap_list_params *
         .closed = is_closed(item->pipeline),
         .any_depth = stretched || part->apart,
         .keep_unseen = params->no_cull,
-        .triangles_max = most - used};
+        .triangles_max = most > used ? most - used : 0};
     uint32_t unseen = 0;
     bool held;
     item->refined = true;
@@ -303,7 +313,7 @@ static enum ap_status refine(struct ap_error *err, const struct ap_list_params *
     list->stats.unseen_facets += unseen;
     item->beyond = st == AP_OK && !held;
     list->stats.beyond_bound += item->beyond;
-    bool full = list->refined.index_count / 3 + 1 >= most && most < refined_cap(params->scene);
+    bool full = refined_used(list) + 1 >= most && most < refined_cap(params->scene);
     list->stats.over_budget += item->beyond && full;
     return st;
 }
@@ -332,15 +342,19 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
     while (held && cut && snaps && shape->seam_pieces[level] < pieces)
         level++;
     item->mesh = shape->mesh[level];
-    size_t most = refined_max(params->scene);
+    size_t most = refined_max(params);
     bool fixed = part->kind == AP_PART_SOLID && part->form == AP_FORM_FACETS,
-         full = list->refined.index_count / 3 >= most;
+         full = refined_used(list) >= most;
     if (!fixed && !full && !(held && snaps && item->mesh.index_count / 3 <= AHEAD_MAX))
         return refine(err, params, place, seams ? cuts : NULL, list, item);
     item->beyond = !held;
     list->stats.beyond_bound += !held;
     list->stats.over_budget += !held && !fixed && full && most < refined_cap(params->scene);
     if (!held || !cut || !snaps)
+        return AP_OK;
+    // Where the budget has no room for coarser seams they stay as fine as the level: they may gape.
+    list->stats.over_budget += full && most < refined_cap(params->scene);
+    if (full)
         return AP_OK;
     return ap_snapped_mesh(err, &list->snapped, params->meshes, index, level, cuts, &list->refined,
                            &item->mesh, &item->snapped, &item->refined);
@@ -361,7 +375,7 @@ static enum ap_status add_disc(struct ap_error *err, const struct ap_list_params
                                   .world_centre = ap_iso_apply(&viewer->world_from_nose, centre),
                                   .radius_m = part->radius_m,
                                   .image = item->image};
-    size_t most = refined_max(params->scene);
+    size_t most = refined_max(params);
     bool bounded = most < refined_cap(params->scene), full = false;
     struct ap_draw_item drawn = *item;
     drawn.eyes = 0;
@@ -372,7 +386,7 @@ static enum ap_status add_disc(struct ap_error *err, const struct ap_list_params
     enum ap_status st = AP_OK;
     for (int e = 0; st == AP_OK && e < 2; e++) {
         enum ap_disc_made made = AP_DISC_UNFIT;
-        size_t used = list->refined.index_count / 3;
+        size_t used = refined_used(list);
         disc.triangles_max = !bounded ? SIZE_MAX : used < most ? most - used : 0;
         if (item->eyes >> e & 1)
             st = ap_disc_append(err, &disc, e, &list->refined, drawn.mesh.first_vertex, &made);

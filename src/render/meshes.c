@@ -123,17 +123,21 @@ static struct ap_seam seam_of(struct ap_space space, const struct ap_part *part,
     return seam;
 }
 
-// The seams of a solid with a form, and what meshes with coarser ones are made of.
+// The seams of a solid with a form, and what meshes with coarser ones are made of: the levels that
+// the shape has.
 static enum ap_status keep_seams(struct ap_error *err, const struct ap_scene *scene,
                                  const struct ap_part *part, struct ap_mesh_data *kept,
                                  struct ap_shape *shape) {
-    const struct ap_solid *solid = &scene->solids[part->solid];
     enum ap_status st = AP_OK;
-    if (part->form == AP_FORM_FACETS || solid->seam_count > AP_SEAMS_MAX)
+    if (part->kind != AP_PART_SOLID || part->form == AP_FORM_FACETS)
+        return AP_OK;
+    const struct ap_solid *solid = &scene->solids[part->solid],
+                          *finest = solid + (part->solid_levels > 1 ? part->solid_levels - 1 : 0);
+    if (solid->seam_count > AP_SEAMS_MAX)
         return AP_OK;
     shape->seam_count = solid->seam_count;
     for (int k = 0; k < shape->seam_count; k++)
-        shape->seam[k] = seam_of(scene->space, part, solid, solid + shape->levels - 1, k);
+        shape->seam[k] = seam_of(scene->space, part, solid, finest, k);
     for (int k = 0; st == AP_OK && shape->seam_count > 0 && k < shape->levels; k++) {
         shape->seam_pieces[k] = solid[k].seam_pieces;
         shape->seam_vertex[k] = solid[k].seams;
@@ -144,7 +148,7 @@ static enum ap_status keep_seams(struct ap_error *err, const struct ap_scene *sc
 
 static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *scene,
                                 const struct ap_part *part, struct ap_mesh_data *data,
-                                struct ap_mesh_data *kept, struct ap_shape *shape) {
+                                struct ap_shape *shape) {
     enum ap_status st = AP_OK;
     memset(shape, 0, sizeof *shape);
     switch (part->kind) {
@@ -179,7 +183,7 @@ static enum ap_status add_shape(struct ap_error *err, const struct ap_scene *sce
             shape->step_m[k] = solid->longest_m;
         }
         find_facing(part, &scene->solids[part->solid], shape);
-        return st ? st : keep_seams(err, scene, part, kept, shape);
+        return st;
     }
     return ap_fail(err, AP_INPUT, "a part of an unknown kind %d", (int)part->kind);
 }
@@ -218,8 +222,10 @@ static enum ap_status add_parts(struct ap_error *err, const struct ap_scene *sce
         while (s < made->shape_count && !same_shape(&scene->parts[first_part[s]], part))
             s++;
         if (s == made->shape_count) {
-            st = add_shape(err, scene, part, data, &made->kept, &made->shapes[s]);
+            st = add_shape(err, scene, part, data, &made->shapes[s]);
             drop_large(most, data, &made->shapes[s]);
+            if (st == AP_OK)
+                st = keep_seams(err, scene, part, &made->kept, &made->shapes[s]);
             first_part[s] = i;
             made->shape_count++;
         }
@@ -241,8 +247,11 @@ static enum ap_status add_within_budget(struct ap_error *err, const struct ap_sc
     size_t most = allowed / (VERTEX_BYTES / 2 + 3 * INDEX_BYTES);
     for (;; most /= 2) {
         made->shape_count = data->vertex_count = data->index_count = 0;
+        made->kept.vertex_count = made->kept.index_count = 0;
         enum ap_status st = add_parts(err, scene, most, data, made, first_part);
-        size_t bytes = data->vertex_count * VERTEX_BYTES + data->index_count * INDEX_BYTES;
+        size_t bytes = data->vertex_count * VERTEX_BYTES + data->index_count * INDEX_BYTES +
+                       made->kept.vertex_count * sizeof *made->kept.vertices +
+                       made->kept.index_count * sizeof *made->kept.indices;
         if (st != AP_OK || bytes <= allowed || most < FEWEST)
             return st;
     }

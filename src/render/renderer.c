@@ -526,11 +526,12 @@ static enum ap_status place(struct ap_error *err, struct ap_renderer *r,
 
 // Buffers, lists and the cells that are known.
 static size_t held_bytes(const struct ap_renderer *r) {
-    const struct ap_mesh_data *own = &r->list.refined;
+    const struct ap_mesh_data *data[2] = {&r->list.refined, &r->meshes.kept};
     size_t sum = r->meshes.vertices.size + r->meshes.indices.size +
-                 r->list.room * (sizeof *r->list.items + 3 * sizeof(void *)) +
-                 own->vertex_space * sizeof *own->vertices +
-                 own->index_space * sizeof *own->indices;
+                 r->list.room * (sizeof *r->list.items + 3 * sizeof(void *));
+    for (int i = 0; i < 2; i++)
+        sum += data[i]->vertex_space * sizeof *data[i]->vertices +
+               data[i]->index_space * sizeof *data[i]->indices;
     for (int i = 0; i < RING; i++)
         sum += r->slot[i].draws.size + r->slot[i].vertices.size + r->slot[i].indices.size;
     return sum + (r->cells.cells ? ap_cells_bytes(r->cells.cells) : 0);

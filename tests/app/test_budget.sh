@@ -73,9 +73,9 @@ scene 'billiards, s3' 4 1 --space s3 --max-error 0.05
 scene 'billiards, e3' 2 1 --space e3 --max-error 0.05
 scene 'billiards, h3' 1 1 --space h3 --max-error 0.05
 scene '{5,3,4}' 1 1 --scene honeycomb:5,3,4
-scene 'struts' 0.5 1 --scene honeycomb:4,3,4,struts
+scene 'struts' 0.6 1 --scene honeycomb:4,3,4,struts
 scene 'the torus' 1 1 --scene torus,struts
-scene 'the Poincaré space' 0.3 1 --scene poincare-dodecahedral
+scene 'the Poincaré space' 0.6 1 --scene poincare-dodecahedral
 
 expect 2 'budget: expected 0.1 to' "$antipode" replay --budget 0 --out "$work/bad" "$work/walk.csv"
 finish

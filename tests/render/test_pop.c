@@ -61,6 +61,7 @@ static void close_world(struct world *w) {
     free(w->meshes.shapes);
     free(w->meshes.shape_of_part);
     free(w->meshes.reach_m);
+    ap_mesh_data_finish(&w->meshes.kept);
     ap_mesh_data_finish(&w->ahead);
     ap_scene_destroy(w->scene);
 }
