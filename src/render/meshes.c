@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/geom/map.h"
 #include "src/geom/table.h"
 
 static const double PI = 3.14159265358979323846;
@@ -92,35 +93,32 @@ static struct ap_vec4 seam_point(struct ap_space space, const struct ap_solid *s
     return ap_exp(space, (struct ap_vec3){p[0], p[1], p[2]});
 }
 
-static double between(struct ap_space space, struct ap_vec4 a, struct ap_vec4 b) {
-    double x = b.x - a.x, y = b.y - a.y, z = b.z - a.z, w = b.w - a.w;
-    double half = sqrt(fmax(x * x + y * y + z * z + space.kappa * w * w, 0)) / 2 / space.rho_m;
-    double t = space.kappa > 0 ? asin(fmin(half, 1)) : space.kappa < 0 ? asinh(half) : half;
-    return 2 * t * space.rho_m;
-}
-
-static struct ap_seam seam_of(struct ap_space space, const struct ap_part *part,
-                              const struct ap_solid *solid, const struct ap_solid *finest, int k) {
-    struct ap_seam seam = {
-        .end = {seam_point(space, solid, k, 0), seam_point(space, solid, k, solid->seam_pieces)}};
-    const struct ap_vec4 *e = seam.end;
-    seam.chord_m = seam.length_m = between(space, e[0], e[1]);
+static enum ap_status seam_of(struct ap_error *err, struct ap_space space,
+                              const struct ap_part *part, const struct ap_solid *solid,
+                              const struct ap_solid *finest, int k, struct ap_seam *seam) {
+    struct ap_vec4 e[2] = {seam_point(space, solid, k, 0),
+                           seam_point(space, solid, k, solid->seam_pieces)};
+    double chord_m;
+    enum ap_status st = ap_distance(err, space, e[0], e[1], &chord_m);
+    if (st != AP_OK)
+        return st;
+    *seam = (struct ap_seam){.end = {e[0], e[1]}, .chord_m = chord_m, .length_m = chord_m};
     if (part->form == AP_FORM_PLANE)
-        return seam;
+        return AP_OK;
     struct ap_vec4 middle = seam_point(space, finest, k, finest->seam_pieces / 2);
-    double half = ap_space_cos(space, seam.chord_m / 2 / space.rho_m) * 2;
+    double half = ap_space_cos(space, chord_m / 2 / space.rho_m) * 2;
     struct ap_vec4 straight = {(e[0].x + e[1].x) / half, (e[0].y + e[1].y) / half,
                                (e[0].z + e[1].z) / half, (e[0].w + e[1].w) / half};
-    seam.bulge_m = between(space, middle, straight);
-    if (part->form == AP_FORM_TUBE) {
-        seam.length_m = solid->longest_m * solid->seam_pieces;
-        return seam;
+    st = ap_distance(err, space, middle, straight, &seam->bulge_m);
+    if (st != AP_OK || part->form == AP_FORM_TUBE) {
+        seam->length_m = solid->longest_m * solid->seam_pieces;
+        return st;
     }
     struct ap_vec3 u[2];
     for (int i = 0; i < 2; i++)
         u[i] = ap_vec3_normalize((struct ap_vec3){e[i].x, e[i].y, e[i].z});
-    seam.bend_rad = asin(fmin(ap_vec3_length(ap_vec3_sub(u[1], u[0])) / 2, 1));
-    return seam;
+    seam->bend_rad = asin(fmin(ap_vec3_length(ap_vec3_sub(u[1], u[0])) / 2, 1));
+    return AP_OK;
 }
 
 // The seams of a solid with a form, and what meshes with coarser ones are made of: the levels that
@@ -136,8 +134,8 @@ static enum ap_status keep_seams(struct ap_error *err, const struct ap_scene *sc
     if (solid->seam_count > AP_SEAMS_MAX)
         return AP_OK;
     shape->seam_count = solid->seam_count;
-    for (int k = 0; k < shape->seam_count; k++)
-        shape->seam[k] = seam_of(scene->space, part, solid, finest, k);
+    for (int k = 0; st == AP_OK && k < shape->seam_count; k++)
+        st = seam_of(err, scene->space, part, solid, finest, k, &shape->seam[k]);
     for (int k = 0; st == AP_OK && shape->seam_count > 0 && k < shape->levels; k++) {
         shape->seam_pieces[k] = solid[k].seam_pieces;
         shape->seam_vertex[k] = solid[k].seams;

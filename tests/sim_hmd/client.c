@@ -225,3 +225,29 @@ void client_end_empty(struct client *c, XrTime time) {
                            .environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE};
     XR_OK(xrEndFrame(c->session, &info));
 }
+
+void client_views(const struct client *c, XrSpace space, XrTime time, XrView views[2]) {
+    const XrViewLocateInfo info = {.type = XR_TYPE_VIEW_LOCATE_INFO,
+                                   .viewConfigurationType =
+                                       XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO,
+                                   .displayTime = time,
+                                   .space = space};
+    XrViewState state = {.type = XR_TYPE_VIEW_STATE};
+    uint32_t count;
+    for (int eye = 0; eye < 2; eye++)
+        views[eye] = (XrView){.type = XR_TYPE_VIEW};
+    XR_OK(xrLocateViews(c->session, &info, &state, 2, &count, views));
+}
+
+XrSwapchainCreateInfo client_colour_info(int64_t format, uint32_t width, uint32_t height) {
+    return (XrSwapchainCreateInfo){.type = XR_TYPE_SWAPCHAIN_CREATE_INFO,
+                                   .usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT |
+                                                 XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT,
+                                   .format = format,
+                                   .sampleCount = 1,
+                                   .width = width,
+                                   .height = height,
+                                   .faceCount = 1,
+                                   .arraySize = 2,
+                                   .mipCount = 1};
+}

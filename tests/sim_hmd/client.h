@@ -62,6 +62,10 @@ void client_poll(struct client *c);
 XrFrameState client_wait(struct client *c);
 void client_begin(struct client *c);
 void client_end_empty(struct client *c, XrTime time);
+void client_views(const struct client *c, XrSpace space, XrTime time, XrView views[2]);
+
+// Of swapchains with two layers that a program draws or copies into.
+XrSwapchainCreateInfo client_colour_info(int64_t format, uint32_t width, uint32_t height);
 
 void *client_proc(XrInstance instance, const char *name);
 

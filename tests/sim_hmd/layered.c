@@ -38,16 +38,7 @@ uint8_t layered_texel(int x, int y, int layer, int channel) {
 struct screen layered_screen(struct painter *p, VkFormat format) {
     struct screen s = {.format = format,
                        .texel_bytes = format == VK_FORMAT_R16G16B16A16_SFLOAT ? 8 : 4};
-    XrSwapchainCreateInfo i = {.type = XR_TYPE_SWAPCHAIN_CREATE_INFO,
-                               .usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT |
-                                             XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT,
-                               .format = format,
-                               .sampleCount = 1,
-                               .width = W,
-                               .height = H,
-                               .faceCount = 1,
-                               .arraySize = 2,
-                               .mipCount = 1};
+    const XrSwapchainCreateInfo i = client_colour_info(format, W, H);
     XR_OK(xrCreateSwapchain(p->c.session, &i, &s.swapchain));
     XrSwapchainImageVulkanKHR images[3] = {{.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR},
                                            {.type = XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR},
@@ -102,14 +93,8 @@ void layered_draw(struct painter *p, struct screen *s, int frame) {
 
 void layered_layer(struct painter *p, const struct screen *s, XrTime time, XrRect2Di rect,
                    XrCompositionLayerFlags flags, struct layer *l) {
-    XrViewLocateInfo info = {.type = XR_TYPE_VIEW_LOCATE_INFO,
-                             .viewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO,
-                             .displayTime = time,
-                             .space = p->c.stage};
-    XrViewState view_state = {.type = XR_TYPE_VIEW_STATE};
-    XrView views[2] = {{.type = XR_TYPE_VIEW}, {.type = XR_TYPE_VIEW}};
-    uint32_t count;
-    XR_OK(xrLocateViews(p->c.session, &info, &view_state, 2, &count, views));
+    XrView views[2];
+    client_views(&p->c, p->c.stage, time, views);
     *l = (struct layer){.projection = {.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION,
                                        .layerFlags = flags,
                                        .space = p->c.stage,

@@ -98,14 +98,8 @@ static XrResult acquire(XrSwapchain swapchain) {
 }
 
 static XrResult end(struct client *c, XrSwapchain swapchain, XrTime time) {
-    XrViewLocateInfo info = {.type = XR_TYPE_VIEW_LOCATE_INFO,
-                             .viewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO,
-                             .displayTime = time,
-                             .space = c->stage};
-    XrViewState state = {.type = XR_TYPE_VIEW_STATE};
-    XrView views[2] = {{.type = XR_TYPE_VIEW}, {.type = XR_TYPE_VIEW}};
-    uint32_t count;
-    XR_OK(xrLocateViews(c->session, &info, &state, 2, &count, views));
+    XrView views[2];
+    client_views(c, c->stage, time, views);
     XrCompositionLayerProjectionView shown[2];
     for (uint32_t eye = 0; eye < 2; eye++)
         shown[eye] = (XrCompositionLayerProjectionView){

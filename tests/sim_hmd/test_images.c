@@ -29,16 +29,7 @@ static void start(struct client *c, const char *more) {
 }
 
 static XrSwapchainCreateInfo colour_info(void) {
-    return (XrSwapchainCreateInfo){.type = XR_TYPE_SWAPCHAIN_CREATE_INFO,
-                                   .usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT |
-                                                 XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT,
-                                   .format = VK_FORMAT_R8G8B8A8_SRGB,
-                                   .sampleCount = 1,
-                                   .width = W,
-                                   .height = H,
-                                   .faceCount = 1,
-                                   .arraySize = 2,
-                                   .mipCount = 1};
+    return client_colour_info(VK_FORMAT_R8G8B8A8_SRGB, W, H);
 }
 
 static void swapchains_are_checked(void **state) {
@@ -179,14 +170,8 @@ struct layer {
 };
 
 static void make_layer(struct client *c, XrSwapchain s, XrTime time, struct layer *l) {
-    XrViewLocateInfo info = {.type = XR_TYPE_VIEW_LOCATE_INFO,
-                             .viewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO,
-                             .displayTime = time,
-                             .space = c->local};
-    XrViewState view_state = {.type = XR_TYPE_VIEW_STATE};
-    XrView views[2] = {{.type = XR_TYPE_VIEW}, {.type = XR_TYPE_VIEW}};
-    uint32_t count;
-    XR_OK(xrLocateViews(c->session, &info, &view_state, 2, &count, views));
+    XrView views[2];
+    client_views(c, c->local, time, views);
     *l = (struct layer){.projection = {.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION,
                                        .space = c->local,
                                        .viewCount = 2},

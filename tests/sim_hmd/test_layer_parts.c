@@ -190,14 +190,8 @@ static const XrRect2Di part = {{3, 5}, {31, 17}};
 
 static void make_projection(struct painter *p, XrTime time, XrSwapchain colour, XrSwapchain depth,
                             float min, float max, struct projection *out) {
-    XrViewLocateInfo info = {.type = XR_TYPE_VIEW_LOCATE_INFO,
-                             .viewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO,
-                             .displayTime = time,
-                             .space = p->c.stage};
-    XrViewState view_state = {.type = XR_TYPE_VIEW_STATE};
-    XrView views[2] = {{.type = XR_TYPE_VIEW}, {.type = XR_TYPE_VIEW}};
-    uint32_t n;
-    XR_OK(xrLocateViews(p->c.session, &info, &view_state, 2, &n, views));
+    XrView views[2];
+    client_views(&p->c, p->c.stage, time, views);
     for (uint32_t eye = 0; eye < 2; eye++) {
         out->depth[eye] = (XrCompositionLayerDepthInfoKHR){
             .type = XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR,
