@@ -234,8 +234,8 @@ int main(int argc, char **argv) {
         for (int i = 0; i < SCENES[s].places; i++)
             look(&world, i, SCENES[s].max_error_px, &t);
         tell(world.name, SCENES[s].max_error_px, &t);
-        // In s3 surfaces may pass next to the nose's antipode, which is seen everywhere at once, and
-        // round joints seen the long way round may be cut without end.
+        // In s3 surfaces may pass next to the nose's antipode, which is seen everywhere at once,
+        // and round joints seen the long way round may be cut without end.
         int allowed = world.scene->space.kappa > 0 ? 2 : 0;
         failures += is_bad(SCENES[s].max_error_px, &t) || t.given_up > allowed;
         close_world(&world);
