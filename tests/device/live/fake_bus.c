@@ -84,6 +84,11 @@ static int take(void *arg, void *device, const uint8_t *bytes, size_t len) {
     return got;
 }
 
+// Something to do for one of the two, which may give the other something to do.
+static void stir(struct fake_bus *fake) {
+    fake->waiting = fake->watching = 0;
+}
+
 static int collect(struct fake_bus *fake, int *tags, int max) {
     int count = 0;
     for (int i = 0; i < FAKE_DEVICES && count < max && !fake->held; i++) {
@@ -100,11 +105,15 @@ static int wait_reports(void *arg, int *tags, int max, int64_t timeout_ns) {
     struct timespec until = soon(2000000);
     pthread_mutex_lock(&fake->lock);
     int count = collect(fake, tags, max);
+    if (count > 0)
+        stir(fake);
     fake->waiting += count == 0 && !fake->held;
     if (count == 0 && !fake->woken) {
         pthread_cond_broadcast(&fake->changed);
         pthread_cond_timedwait(&fake->changed, &fake->lock, &until);
         count = collect(fake, tags, max);
+        if (count > 0)
+            stir(fake);
     }
     fake->woken = false;
     pthread_mutex_unlock(&fake->lock);
@@ -114,6 +123,7 @@ static int wait_reports(void *arg, int *tags, int max, int64_t timeout_ns) {
 static void raise_flag(struct fake_bus *fake, bool *flag) {
     pthread_mutex_lock(&fake->lock);
     *flag = true;
+    stir(fake);
     pthread_cond_broadcast(&fake->changed);
     pthread_mutex_unlock(&fake->lock);
 }
@@ -302,14 +312,15 @@ void fake_hold(struct fake_bus *fake, bool held) {
     pthread_mutex_unlock(&fake->lock);
 }
 
-// Whoever waits twice with nothing to do has done what there was to do before the first time.
+// Whoever waits twice with nothing to do has done what there was to do before the first time; and
+// both have, without one having roused the other since.
 bool fake_settle(struct fake_bus *fake) {
     struct timespec until = soon(5000000000);
     pthread_mutex_lock(&fake->lock);
-    int waiting = fake->waiting + 2, watching = fake->watching + 2;
+    stir(fake);
     fake->roused = true;
     bool in_time = true;
-    while (in_time && (fake->waiting < waiting || fake->watching < watching)) {
+    while (in_time && (fake->waiting < 2 || fake->watching < 2)) {
         pthread_cond_broadcast(&fake->changed);
         in_time = pthread_cond_timedwait(&fake->changed, &fake->lock, &until) == 0;
     }

@@ -35,7 +35,7 @@ struct fake_bus {
     int64_t now_ns;
     bool woken, roused, destroyed;
     bool held;   // reads wait: the reader is elsewhere
-    int waiting; // readers with nothing to do
+    int waiting; // readers with nothing to do, since anybody was last roused
     int watching;
     struct fake_device devices[FAKE_DEVICES];
 };
