@@ -1,4 +1,4 @@
-// The vertex shader of unlit balls whose rims are computed (src/render/disc.h). Included by disc.vert
+// The vertex shader of unlit balls whose rims are computed (src/render/refine/disc.h). Included by disc.vert
 // and disc_single.vert, which draws one eye a pass.
 #ifndef SINGLE
 #extension GL_EXT_multiview : require

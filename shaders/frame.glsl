@@ -1,4 +1,4 @@
-// What every draw of a frame shares, and what belongs to one draw; src/render/frame.h is the same in
+// What every draw of a frame shares, and what belongs to one draw; src/render/place/frame.h is the same in
 // C. Lengths in metres, points of the space over rho.
 
 struct View {

@@ -1,6 +1,6 @@
 // The log map of nose space to the Euclidean tangent space in float32 (Weeks 2021, section 5),
 // without any inverse or hyperbolic built-in: no driver gets those right (docs/rendering.md). The
-// same arithmetic in C, which is measured against the double reference: src/render/logmap_float.c;
+// same arithmetic in C, which is measured against the double reference: src/render/logmap/logmap_float.c;
 // the coefficients are derived by tests/render/fit_logmap.c.
 
 const float PI = 3.14159265;

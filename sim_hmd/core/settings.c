@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "sim_hmd/input/profiles.h"
-#include "src/device/poselog_argument.h"
+#include "src/device/log/poselog_argument.h"
 #include "src/base/file.h"
 #include "src/base/json.h"
 #include "src/device/inputlog.h"

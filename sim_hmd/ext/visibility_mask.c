@@ -1,5 +1,5 @@
 #include "sim_hmd/core/session.h"
-#include "src/device/hidden_area.h"
+#include "src/device/headsets/hidden_area.h"
 
 // XR_KHR_visibility_mask: the profile's hidden area. It never changes.
 

@@ -10,7 +10,7 @@
 #include "src/app/runtime.h"
 #include "src/base/file.h"
 #include "src/base/json.h"
-#include "src/render/logmap_device.h"
+#include "src/render/logmap/logmap_device.h"
 #include "xr/client.h"
 
 static const char help[] =

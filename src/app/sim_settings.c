@@ -14,7 +14,7 @@
 #include "src/base/range.h"
 #include "src/device/headset.h"
 #include "src/device/inputlog.h"
-#include "src/device/poselog_argument.h"
+#include "src/device/log/poselog_argument.h"
 #include "src/track/setup.h"
 
 // --- what can be known before the program runs

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/device/handlog_format.h"
-#include "src/device/poselog_document.h"
+#include "src/device/log/handlog_format.h"
+#include "src/device/log/poselog_document.h"
 
 // As in timeline.c: farther apart than this, the hand was lost.
 static const int64_t LOST_AFTER_NS = 100000000;

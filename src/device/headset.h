@@ -6,7 +6,7 @@
 
 #include "src/base/json.h"
 #include "src/base/status.h"
-#include "src/device/lens.h"
+#include "src/device/headsets/lens.h"
 #include "src/geom/pose.h"
 
 // A headset profile: shared/contract's JSON, docs/headset-profile.md. Unknown keys are errors.

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/device/inputlog_build.h"
-#include "src/device/line_reader.h"
-#include "src/device/poselog_document.h"
+#include "src/device/log/inputlog_build.h"
+#include "src/device/log/line_reader.h"
+#include "src/device/log/poselog_document.h"
 
 struct point {
     int64_t t_ns;

@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #include "src/base/status.h"
-#include "src/device/poselog_format.h"
+#include "src/device/log/poselog_format.h"
 
 // Input logs: what was pressed, pulled and pushed, by time. Grammar: docs/input-logs.md. A log is a
 // set of channels, one for each device and path ("left", "/input/trigger/value"); a channel holds

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/device/poselog_source.h"
+#include "src/device/log/poselog_source.h"
 
 enum { SOURCES_MAX = 64, DEVICES_MAX = 256 };
 

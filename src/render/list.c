@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/render/disc.h"
+#include "src/render/refine/disc.h"
 
 static const double PI = 3.14159265358979323846;
 

@@ -1,9 +1,9 @@
 #ifndef ANTIPODE_RENDER_LIST_H
 #define ANTIPODE_RENDER_LIST_H
 
-#include "src/render/pass.h"
-#include "src/render/place.h"
-#include "src/render/refine.h"
+#include "src/render/pass/pass.h"
+#include "src/render/place/place.h"
+#include "src/render/refine/refine.h"
 #include "src/render/renderer.h"
 
 // What is drawn in a frame: a part in an image, for the eyes that may see it.

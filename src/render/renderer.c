@@ -6,9 +6,9 @@
 
 #include "src/base/log.h"
 #include "src/render/cells.h"
-#include "src/render/decals.h"
+#include "src/render/mesh/decals.h"
 #include "src/render/list.h"
-#include "src/render/resolve.h"
+#include "src/render/pass/resolve.h"
 #include "src/render/samples.h"
 
 // Frames that the CPU may be ahead of the GPU.

@@ -67,7 +67,8 @@ struct ap_eye_stats {
 };
 struct ap_frame_stats {
     struct ap_eye_stats eye[2];
-    uint32_t refined; // parts·images whose triangles were made for this frame (src/render/refine.h)
+    uint32_t refined;       // parts·images whose triangles were made for this frame
+                            // (src/render/refine/refine.h)
     uint32_t unseen_facets; // triangles of those that were left out: out of sight or turned away
     uint32_t beyond_bound;  // parts·images that even the finest triangles show farther off than
                             // max_error_px

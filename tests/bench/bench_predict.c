@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "src/base/clock.h"
-#include "src/device/predict.h"
+#include "src/device/fusion/predict.h"
 
 // Ways of prediction over real recordings: at every sample the pose 11, 20, 30 and 50 ms later is
 // predicted from what was known then, and compared with the recording. CSV on standard output:

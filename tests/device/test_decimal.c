@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "src/base/number.h"
-#include "src/device/decimal.h"
+#include "src/device/log/decimal.h"
 
 static uint64_t state = 7;
 

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "src/device/hidden_area.h"
+#include "src/device/headsets/hidden_area.h"
 
 static double area(const struct ap_mask *m) {
     double sum = 0;

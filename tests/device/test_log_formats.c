@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 #include "src/device/poselog.h"
-#include "src/device/poselog_argument.h"
+#include "src/device/log/poselog_argument.h"
 #include "tests/device/memory_file.h"
 
 // The formats that are read as a whole, rates and forces, CSV with names in its header, and what

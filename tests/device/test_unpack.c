@@ -12,7 +12,7 @@
 
 #include "src/device/handlog.h"
 #include "src/device/inputlog.h"
-#include "src/device/line_reader.h"
+#include "src/device/log/line_reader.h"
 #include "src/device/poselog.h"
 #include "tests/device/memory_file.h"
 

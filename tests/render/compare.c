@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/render/refine_surface.h"
+#include "src/render/refine/refine_surface.h"
 #include "src/view/exact.h"
 #include "tests/render/reference_surface.h"
 #include "tests/render/stage.h"

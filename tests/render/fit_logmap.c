@@ -1,13 +1,13 @@
 // Derives the minimax polynomials of the log map anew (Remez exchange in long double) and holds the
-// coefficients that ship in src/render/logmap_float.h and shaders/logmap.glsl against them: the
-// shipped ones may be at most a rounding worse. With --print it writes the coefficients.
+// coefficients that ship in src/render/logmap/logmap_float.h and shaders/logmap.glsl against them:
+// the shipped ones may be at most a rounding worse. With --print it writes the coefficients.
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/render/logmap_float.h"
+#include "src/render/logmap/logmap_float.h"
 
 enum { TERMS_MAX = 10, GRID = 20000 };
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/render/decals.h"
+#include "src/render/mesh/decals.h"
 #include "tests/render/stage.h"
 
 static const VkFormat COLOR = VK_FORMAT_R8G8B8A8_UNORM, DEPTH = VK_FORMAT_D32_SFLOAT;

@@ -2,7 +2,7 @@
 #define ANTIPODE_TESTS_RENDER_PROBE_H
 
 #include "src/render/cells.h"
-#include "src/render/pass.h"
+#include "src/render/pass/pass.h"
 
 // What the renderer draws, told apart by part and with its depths: the renderer's own list of a
 // frame, its meshes, pipelines and shaders, one sample in the middle of each pixel, but each item

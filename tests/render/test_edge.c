@@ -7,7 +7,7 @@
 
 #include "src/geom/isometry.h"
 #include "src/geom/map.h"
-#include "src/render/place.h"
+#include "src/render/place/place.h"
 
 static const double PI = 3.14159265358979323846;
 static const struct ap_space H3 = {-1, 1}, S3 = {1, 1};

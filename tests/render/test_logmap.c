@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "src/geom/map.h"
-#include "src/render/logmap_device.h"
-#include "src/render/logmap_float.h"
+#include "src/render/logmap/logmap_device.h"
+#include "src/render/logmap/logmap_float.h"
 #include "tests/render/stage.h"
 
 enum { POINTS = 60000 };

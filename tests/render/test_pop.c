@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "src/render/cells.h"
-#include "src/render/refine_surface.h"
+#include "src/render/refine/refine_surface.h"
 #include "tests/render/exact.h"
 #include "tests/render/stage.h"
 

@@ -15,7 +15,7 @@
 
 #include "src/device/poselog.h"
 #include "src/render/list.h"
-#include "src/render/logmap_float.h"
+#include "src/render/logmap/logmap_float.h"
 #include "tests/render/stage.h"
 
 static const double PI = 3.14159265358979323846;

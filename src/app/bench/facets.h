@@ -2,7 +2,7 @@
 #define ANTIPODE_APP_BENCH_FACETS_H
 
 #include "src/render/cells.h"
-#include "src/render/meshes.h"
+#include "src/render/mesh/meshes.h"
 
 // How far off a frame's own triangles are: points all over them, as straight as a device draws them
 // (native: in tangent space; tourist: in the eye's own), against the geodesic planes, tubes and

@@ -4,7 +4,7 @@
 
 #include "src/app/bench/bench.h"
 #include "src/geom/cells.h"
-#include "src/render/frame.h"
+#include "src/render/place/frame.h"
 #include "src/view/portal.h"
 
 // 4. Growth: what a frame costs against the cells that exist, and against those that are seen.

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <tgmath.h>
 
-#include "src/render/logmap_float.h"
+#include "src/render/logmap/logmap_float.h"
 
 // The same text in float and in double; tgmath takes the function of the type.
 #define KERNELS(T, SUFFIX)                                                                         \

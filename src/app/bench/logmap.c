@@ -6,8 +6,8 @@
 #include "src/app/bench/bench.h"
 #include "src/app/bench/kernels.h"
 #include "src/geom/map.h"
-#include "src/render/logmap_device.h"
-#include "src/render/logmap_float.h"
+#include "src/render/logmap/logmap_device.h"
+#include "src/render/logmap/logmap_float.h"
 
 // 1. Log-map formulas: nanoseconds a point against the worst relative error.
 

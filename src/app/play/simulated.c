@@ -13,7 +13,7 @@
 #include "src/app/logs.h"
 #include "src/app/runtime.h"
 #include "src/base/log.h"
-#include "src/device/poselog_argument.h"
+#include "src/device/log/poselog_argument.h"
 
 // Whether Vulkan here is a program rather than a chip: then a full headset's pictures take too long
 // to walk about in.

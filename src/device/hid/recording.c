@@ -1,8 +1,8 @@
 #include "src/device/hid/recording.h"
 
 #include "src/base/number.h"
-#include "src/device/decimal.h"
-#include "src/device/poselog_fields.h"
+#include "src/device/log/decimal.h"
+#include "src/device/log/poselog_fields.h"
 
 // What is left of a line.
 struct rest {

@@ -2,7 +2,7 @@
 #define ANTIPODE_DEVICE_HID_RECORDING_H
 
 #include "src/device/hid/descriptor.h"
-#include "src/device/poselog_format.h"
+#include "src/device/log/poselog_format.h"
 
 // Raw HID recordings: hid-recorder's text, line by line, and our comments with feature reports.
 // Grammar: docs/pose-logs.md.

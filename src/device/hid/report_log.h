@@ -2,7 +2,7 @@
 #define ANTIPODE_DEVICE_HID_REPORT_LOG_H
 
 #include "src/device/axes.h"
-#include "src/device/poselog_format.h"
+#include "src/device/log/poselog_format.h"
 
 // A raw HID recording as a pose log: its lines go in, rows come out. Each device of the recording
 // gets the driver that knows it; what has none is passed over.

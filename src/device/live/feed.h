@@ -4,7 +4,7 @@
 #include <stdalign.h>
 #include <stddef.h>
 
-#include "src/device/clockmap.h"
+#include "src/device/fusion/clockmap.h"
 #include "src/device/hid/driver.h"
 
 // One device's reports through its driver, each dated. Pure: no clock, no allocation, nothing

@@ -7,7 +7,7 @@
 
 #include "src/device/hid/driver.h"
 #include "src/device/live/io.h"
-#include "src/device/predict.h"
+#include "src/device/fusion/predict.h"
 
 // Devices that are plugged in, now and later: found, opened, switched on, read and kept alive by
 // threads of their own (for each bus a reader and a keeper). Everybody else asks where a role is at

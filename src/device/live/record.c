@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "src/base/file.h"
-#include "src/device/pack.h"
+#include "src/device/log/pack.h"
 #include "src/device/poselog.h"
 
 // Readers put nodes into a list; whoever writes takes the list, sorts by time (queues that were

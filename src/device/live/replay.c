@@ -6,7 +6,7 @@
 
 #include "src/base/clock.h"
 #include "src/device/hid/recording.h"
-#include "src/device/line_reader.h"
+#include "src/device/log/line_reader.h"
 #include "src/device/live/io.h"
 
 // Recordings as devices: plugged in at the beginning, unplugged after the last report, and between

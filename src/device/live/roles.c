@@ -3,7 +3,7 @@
 
 #include "src/base/number.h"
 #include "src/device/live/set.h"
-#include "src/device/poselog_argument.h"
+#include "src/device/log/poselog_argument.h"
 
 // A number behind the only colon is a tracker's. Serial numbers and paths have several colons.
 static bool is_tracker_right(const char *which) {

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "src/device/clockmap.h"
+#include "src/device/fusion/clockmap.h"
 
 static uint64_t seed = 1;
 

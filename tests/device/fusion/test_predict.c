@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "src/device/predict.h"
+#include "src/device/fusion/predict.h"
 
 static const int64_t MS = 1000000;
 static const double DEGREE = 3.14159265358979323846 / 180;

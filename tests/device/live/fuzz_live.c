@@ -1,7 +1,7 @@
 #include <math.h>
 
 #include "src/device/live/feed.h"
-#include "src/device/predict.h"
+#include "src/device/fusion/predict.h"
 #include "tests/device/hid/bytes_of.h"
 #include "tests/device/live/devices.h"
 #include "tests/device/mutate.h"
