@@ -76,20 +76,4 @@ enum ap_status ap_image_contact_sheet(struct ap_error *err, const struct ap_imag
 enum ap_status ap_image_shrink(struct ap_error *err, const struct ap_image *in, uint32_t width,
                                uint32_t height, struct ap_image *out);
 
-// Where a disc of one colour is, to a fraction of a pixel: the centroid of its coverage, computed
-// in linear light against the background found around it. Searches inside the given box only.
-struct ap_blob_query {
-    uint8_t color[3];                  // as written in the scene
-    double min_i, max_i, min_j, max_j; // where to look, pixels (clamped to the picture)
-};
-struct ap_blob {
-    double i, j;       // centroid, pixels
-    double area_px;    // sum of coverage
-    double strange_px; // sum over its edge of what is no mixture of the colour and its background
-    bool touches_edge; // of the picture
-};
-// False: no pixel of that colour.
-bool ap_find_blob(const struct ap_image *image, const struct ap_blob_query *query,
-                  struct ap_blob *blob);
-
 #endif
