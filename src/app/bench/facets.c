@@ -265,19 +265,13 @@ static double pixels_apart(const struct look *l, int e, struct ap_vec4 a, struct
     return hypot(p[0] - q[0], p[1] - q[1]);
 }
 
-// A drawn point of the front: where its line of sight comes nearest to the surface or meets it.
-static double stands_out(const struct look *l, int e, struct ap_vec4 x) {
-    struct spot spot;
-    double gap, rho = l->space.rho_m;
-    if (!spot_of(l, x, &spot, &gap))
-        return -1;
-    double off = pixels_apart(l, e, x, on_surface(l, &spot));
-    if (off <= LOOK_CLOSER * l->params->max_error_px)
-        return off;
-    double reach = 4 * rho * (sqrt(2 * radius_at(l, spot.along) * fabs(gap)) + fabs(gap));
-    double low = -reach, high = reach;
+// Where a line of sight comes nearest to the surface, no farther than reach_m from x: 0 where it
+// meets it there; negative: nowhere that is known.
+static double passes_beside(const struct look *l, int e, struct ap_vec4 x, double reach_m) {
+    double low = -reach_m, high = reach_m, gap = INFINITY;
     struct ap_vec4 nearest = x;
-    for (int i = 0; i < 50 && gap > 0; i++) {
+    struct spot spot = {.along = 0};
+    for (int i = 0; i < 50; i++) {
         double at[2] = {low + (high - low) * 0.382, low + (high - low) * 0.618}, g[2];
         for (int k = 0; k < 2; k++) {
             nearest = along_sight(l, e, x, at[k]);
@@ -289,7 +283,28 @@ static double stands_out(const struct look *l, int e, struct ap_vec4 x) {
         *(g[0] < g[1] ? &high : &low) = g[0] < g[1] ? at[1] : at[0];
         gap = fmin(g[0], g[1]);
     }
-    return gap <= 0 ? 0 : pixels_apart(l, e, x, on_surface(l, &spot));
+    return gap < INFINITY ? pixels_apart(l, e, x, on_surface(l, &spot)) : -1;
+}
+
+// A drawn point of the front: where its line of sight comes nearest to the surface or meets it.
+static double stands_out(const struct look *l, int e, struct ap_vec4 x) {
+    struct spot spot;
+    double gap, more, step_m = 1e-6 * l->space.rho_m, rho = l->space.rho_m;
+    if (!spot_of(l, x, &spot, &gap))
+        return -1;
+    double off = pixels_apart(l, e, x, on_surface(l, &spot));
+    if (off <= LOOK_CLOSER * l->params->max_error_px)
+        return off;
+    if (gap <= 0)
+        return 0;
+    double reach = 4 * rho * (sqrt(2 * radius_at(l, spot.along) * gap) + gap);
+    double beside = passes_beside(l, e, x, reach);
+    // A line at a slant, nearly along a tube, comes down to it farther off.
+    if (!(beside > 0) || !spot_of(l, along_sight(l, e, x, step_m), &spot, &more))
+        return beside;
+    double slant = fmin(2 * step_m * gap / fabs(more - gap), rho / 2);
+    double farther = slant > reach ? passes_beside(l, e, x, slant) : -1;
+    return farther >= 0 ? fmin(farther, beside) : beside;
 }
 
 // What is drawn at a share of a triangle's corners, of the part: on the space, in tangent space,

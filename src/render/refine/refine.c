@@ -191,15 +191,17 @@ static bool too_long(const struct work *w, const struct ap_surface_point *a,
     return false;
 }
 
+// How far the straight edge from a to b is off, at its middle m and halfway from there to its ends;
+// more than most_px where it is. What bends one way and then the other crosses its surface in the
+// middle: that alone would let a long edge pass beside which shorter ones do not, and a corner next
+// to it would be cut off again and again.
 static double off_px(struct work *w, const struct ap_surface_point *a,
-                     const struct ap_surface_point *b, const struct ap_surface_point *m) {
+                     const struct ap_surface_point *b, const struct ap_surface_point *m,
+                     double most_px) {
     const struct ap_surface *s = &w->surface;
     const struct ap_eyes *eyes = w->params->eyes;
     double off = ap_surface_error_px(s, eyes, a, b, 0.5, m);
-    // What runs around an axis as well as along it is seen as an S, whose middle says nothing.
-    bool along = fabs(a->along - b->along) > 1e-9,
-         around = ap_vec3_dot(a->from, b->from) < 1 - 1e-12;
-    if (s->shape != AP_SURFACE_TUBE || !along || !around)
+    if (!(off <= most_px) || ap_surface_is_straight(s))
         return off;
     struct ap_surface_point first = ap_surface_middle(s, a, m), last = ap_surface_middle(s, m, b);
     return fmax(off, fmax(ap_surface_error_px(s, eyes, a, b, 0.25, &first),
@@ -207,10 +209,11 @@ static double off_px(struct work *w, const struct ap_surface_point *a,
 }
 
 static double aside_px(struct work *w, const struct ap_surface_point *a,
-                       const struct ap_surface_point *b, const struct ap_surface_point *m) {
+                       const struct ap_surface_point *b, const struct ap_surface_point *m,
+                       double most_px) {
     bool own = w->surface.any_depth;
     w->surface.any_depth = true;
-    double off = off_px(w, a, b, m);
+    double off = off_px(w, a, b, m, most_px);
     w->surface.any_depth = own;
     return off;
 }
@@ -223,9 +226,8 @@ static bool close_enough(struct work *w, const struct ap_surface_point *a,
     double bound = SHARE * w->params->max_error_px;
     if (too_long(w, a, b, m))
         return false;
-    double off = off_px(w, a, b, m);
-    return off <= bound ||
-           (off <= allowed.all && aside_px(w, a, b, m) <= fmax(bound, allowed.aside));
+    double off = off_px(w, a, b, m, fmax(bound, allowed.all)), aside = fmax(bound, allowed.aside);
+    return off <= bound || (off <= allowed.all && aside_px(w, a, b, m, aside) <= aside);
 }
 
 static bool cut(struct work *w, const struct ap_surface_point *a, const struct ap_surface_point *b,
@@ -262,8 +264,8 @@ static bool cut_seam(struct work *w, uint32_t i, uint32_t j, int k,
     }
     if (yes)
         return true;
-    const struct error off = {AS_FAR * aside_px(w, &a->point, &b->point, m),
-                              AS_FAR * off_px(w, &a->point, &b->point, m)};
+    const struct error off = {AS_FAR * aside_px(w, &a->point, &b->point, m, INFINITY),
+                              AS_FAR * off_px(w, &a->point, &b->point, m, INFINITY)};
     allow(a, off);
     allow(b, off);
     return false;

@@ -292,13 +292,18 @@ static double pixels_at(const struct ap_eyes *eyes, int e, struct ap_vec3 seen) 
     return eyes->pixels[e] * (1 + slope2);
 }
 
+bool ap_surface_is_straight(const struct ap_surface *s) {
+    bool flat = s->mode == AP_VIEW_NATIVE && s->space.kappa == 0;
+    return s->shape == AP_SURFACE_SHEET && (s->mode == AP_VIEW_TOURIST || flat);
+}
+
 double ap_surface_error_px(const struct ap_surface *s, const struct ap_eyes *eyes,
                            const struct ap_surface_point *a, const struct ap_surface_point *b,
                            double k, const struct ap_surface_point *m) {
     double worst = 0;
     bool native = s->mode == AP_VIEW_NATIVE, sheet = s->shape == AP_SURFACE_SHEET;
-    if (sheet && (s->mode == AP_VIEW_TOURIST || (native && s->space.kappa == 0)))
-        return 0; // geodesics are straight there
+    if (ap_surface_is_straight(s))
+        return 0;
     for (int e = 0; e < 2; e++) {
         struct ap_vec3 c = drawn(a, b, k, e), u = m->toward[e], x = ap_vec3_cross(c, u);
         // Squares: of the angle, by its sine, and of the error in depth.

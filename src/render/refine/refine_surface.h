@@ -70,6 +70,9 @@ struct ap_surface_point ap_surface_middle(const struct ap_surface *surface,
 struct ap_vec4 ap_surface_normal(const struct ap_surface *surface,
                                  const struct ap_surface_point *point);
 
+// Whether geodesics are drawn exactly: a sheet in e3, and as a tourist sees it.
+bool ap_surface_is_straight(const struct ap_surface *surface);
+
 // How many pixels of an eye's picture lie between the surface at m, and the place of the straight
 // edge from a to b that stands for it (of what is bare: any place of the edge); m: the middle, or
 // (round surfaces) about the share k of the way. A quarter of the error in depth counts (added in a
