@@ -10,7 +10,7 @@ layout(push_constant) uniform Push {
     int first_eye;
 };
 
-layout(location = 0) in vec4 place; // a, b, how far ahead, w
+layout(location = 0) in vec4 place; // a, b, how far ahead; w, or the angle from the nose
 layout(location = 1) in vec4 edge;  // pixels inside the rim, its normal, the eye
 
 layout(location = 0) flat out vec4 color;
@@ -29,8 +29,10 @@ void main() {
     vec4 clip;
     clip.xy = e.xy * v.projection.xy + e.z * v.projection.zw;
     int range = mode == BORN ? way : image;
-    clip.z = mode == NATIVE ? near : place.w * depth[range].x - e.z * depth[range].y;
     clip.w = -e.z;
+    clip.z = mode != NATIVE                   ? place.w * depth[range].x - e.z * depth[range].y
+             : long_way > 0.0 && image == 1 ? long_way * place.w * clip.w
+                                            : near;
     // The other eye's disc is a single point to this one.
     gl_Position = int(edge.w) == eye ? clip : vec4(0.0, 0.0, 0.0, 1.0);
     color = d.color;

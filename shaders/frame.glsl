@@ -14,6 +14,9 @@ layout(std140, set = 0, binding = 0) uniform Frame {
     float forbidden; // nothing nearer than so many metres to the eye or its antipode is drawn
     float forbidden_sine; // S(forbidden/rho)
     float born_rho;       // native-of: of the space she was born in
+    // Native s3: depth of what is seen the long way round = long_way·(angle from the nose the short way);
+    // 0: near/−z there, too.
+    float long_way;
     vec4 lamp_light; // S² of the distance where its light is 1; S of its radius; angle of a pixel
 };
 

@@ -59,8 +59,11 @@ void main() {
             // bound are.
             if (distance(on, curved / size) > 0.25 * length(on.xyz))
                 discard;
+            bool behind = long_way > 0.0 && (image_of & 1) == 1;
+            if (behind)
+                gl_FragDepth = long_way * length(tangent_from_nose(1, 0, on));
             float ahead = eye_m.z + toward_eye(rho * tangent_from_nose(1, image_of & 1, on) - tangent_m);
-            if (ahead < -near)
+            if (!behind && ahead < -near)
                 gl_FragDepth = near / -ahead;
 #else
             vec3 exact = rho * tangent_from_nose(kappa, image_of & 1, curved / size);

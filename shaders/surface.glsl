@@ -1,12 +1,20 @@
 // Where the line of sight of the nose meets the geodesic surface that a facet stands for, in s3. Needs
 // frame.glsl, logmap.glsl and part_guard.glsl's inputs.
 
-// (S, C) of the distances at which a·S + b·C = c: the one of two that is nearer to `at`.
-vec2 on_line(float a, float b, float c, vec2 at) {
-    float square = a * a + b * b;
-    vec2 middle = c * vec2(a, b), aside = sqrt(max(square - c * c, 0.0)) * vec2(b, -a);
-    vec2 p = (middle + aside) / square, q = (middle - aside) / square;
-    return dot(p, at) > dot(q, at) ? p : q;
+// The one of two that is nearer to `at`; where both are, a small S is told apart by itself.
+vec2 nearer(vec2 p, vec2 q, vec2 at) {
+    return distance(p, at) < distance(q, at) ? p : q;
+}
+
+// (S, C) of the distances along u at which a plane is met, or a sphere whose centre is (m, b) and whose
+// radius has the sine s and the cosine c: a·S + b·C = c with a = m·u. The root by what lies beside
+// the line, since a small sphere's cosine has no digits left.
+vec2 on_line(vec3 m, float b, float s, float c, vec3 u, vec2 at) {
+    float a = dot(m, u), square = a * a + b * b;
+    vec3 beside = m - a * u;
+    float root = c == 0.0 ? sqrt(square) : sqrt(max(s * s - dot(beside, beside), 0.0));
+    vec2 middle = c * vec2(a, b), aside = root * vec2(b, -a);
+    return nearer((middle + aside) / square, (middle - aside) / square, at);
 }
 
 // The same where a·S² + 2·b·S·C + c·C² = 0.
@@ -16,27 +24,26 @@ vec2 on_conic(float a, float b, float c, vec2 at) {
     vec2 q = abs(a) > abs(c) ? vec2(-b - root, a) : vec2(c, -b - root);
     p = normalize(p);
     q = normalize(q);
-    float near = dot(p, at), far = dot(q, at);
-    p = near < 0.0 ? -p : p;
-    q = far < 0.0 ? -q : q;
-    return abs(near) > abs(far) ? p : q;
+    return nearer(dot(p, at) < 0.0 ? -p : p, dot(q, at) < 0.0 ? -q : q, at);
 }
 
 // A point of the surface over rho. flat_at: the facet's, which is near.
 vec4 on_surface(Draw d, vec4 flat_at) {
     int form = int(d.finish.z);
+    if (form == FACETS)
+        return flat_at;
     vec3 u = normalize(tangent_m);
     // The way to image 1 is longer than half a turn, so its S is negative.
     vec2 at = vec2(dot(flat_at.xyz, u), flat_at.w), on;
     mat4 m = d.to[0]; // its columns are the part's axes and its place
     if (form == SPHERE) {
-        on = on_line(dot(m[3].xyz, u), m[3].w, d.shape.y, at);
+        on = on_line(m[3].xyz, m[3].w, d.shape.x, d.shape.y, u, at);
     } else if (form == TUBE) {
         vec2 a = vec2(dot(m[1].xyz, u), dot(m[2].xyz, u)), b = vec2(m[1].w, m[2].w);
         float s = d.shape.x * d.shape.x;
         on = on_conic(dot(a, a) - s, dot(a, b), dot(b, b) - s, at);
     } else {
-        on = on_line(dot(m[1].xyz, u), m[1].w, 0.0, at);
+        on = on_line(m[1].xyz, m[1].w, 1.0, 0.0, u, at);
     }
     return vec4(on.x * u, on.y);
 }

@@ -437,6 +437,9 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
             if (guard) // both sides: an eye may be inside
                 item.pipeline = ap_pipeline_looked_at(item.pipeline, false);
             st = ap_draw_list_mesh(err, params, &place, AP_LEVEL_UNKNOWN, list, &item);
+            // A straight facet's depth would be off by more than what lies behind one another.
+            if (image == 1 && viewer->mode == AP_VIEW_NATIVE)
+                item.pipeline = exact(item.pipeline);
         }
         if (st == AP_OK && of != 0)
             add_image(list, viewer, item, of, range_m[0], range_m[1]);

@@ -516,7 +516,7 @@ static enum ap_status place(struct ap_error *err, struct ap_renderer *r,
     if (st != AP_OK)
         return st;
     ap_draw_list_sort(&r->list);
-    struct ap_gpu_frame frame = ap_frame_of(viewer);
+    struct ap_gpu_frame frame = ap_frame_of(viewer, r->scene->honeycomb != NULL);
     ap_frame_light(viewer, &eyes, r->scene->lamp_reach_m, r->scene->lamp_radius_m, &frame);
     ap_frame_depth(viewer, &eyes, &r->list.range, &frame);
     memcpy(slot->frame.mapped, &frame, sizeof frame);

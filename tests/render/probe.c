@@ -253,7 +253,7 @@ static void fill_buffers(struct probe *p, const struct probe_world *w,
          VK_BUFFER_USAGE_INDEX_BUFFER_BIT, &b->indices);
     hold(p->gpu, NULL, (w->list.count + 1) * sizeof(struct ap_gpu_draw),
          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, &b->draws);
-    p->said = ap_frame_of(viewer);
+    p->said = ap_frame_of(viewer, w->scene->honeycomb != NULL);
     ap_frame_light(viewer, &eyes, w->scene->lamp_reach_m, w->scene->lamp_radius_m, &p->said);
     ap_frame_depth(viewer, &eyes, &w->list.range, &p->said);
     memcpy(p->frame.mapped, &p->said, sizeof p->said);
@@ -346,6 +346,17 @@ double probe_along(const struct probe *p, const struct ap_viewer *viewer, int ey
     const struct ap_frustum *f = &viewer->eye[eye].frustum;
     double a = f->left + (f->right - f->left) * x_px / p->width;
     double b = f->up - (f->up - f->down) * y_px / p->height, ahead = 1 / sqrt(1 + a * a + b * b);
+    if (viewer->mode == AP_VIEW_NATIVE && image == 1 && p->said.long_way > 0) {
+        // The angle from the nose says how far from it; the eye's line gets there so far from the
+        // eye.
+        const struct ap_pose *pose = &viewer->eye[eye].view_from_eye;
+        struct ap_vec3 line =
+            ap_quat_rotate(pose->q, (struct ap_vec3){a * ahead, b * ahead, -ahead});
+        double from_nose =
+            viewer->space.rho_m * (2 * 3.14159265358979323846 - depth / p->said.long_way);
+        double along = ap_vec3_dot(pose->p, line);
+        return sqrt(along * along + from_nose * from_nose - ap_vec3_dot(pose->p, pose->p)) - along;
+    }
     if (viewer->mode == AP_VIEW_NATIVE)
         return p->said.near / depth / ahead;
     // (w·d.x − z·d.y)/−z, with w/−z = cot(t)/ahead (coth; 1/t), and from the antipode in image 1.

@@ -1,6 +1,7 @@
 // Near s3's antipode everything is seen at nearly the same distance, so that what a facet is off in
 // depth would decide where two surfaces meet. Two polygons that cross there, drawn and read back:
-// at each pixel the nearer one along its line of sight shows, but for the seam's own pixels.
+// at each pixel the nearer one along its line of sight shows, but for the seam's own pixels. And
+// the long way round, where things a metre apart may be a full turn of 1e9 m away.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -90,6 +91,63 @@ static int look(struct stage *stage, double off, double turn) {
     return bad;
 }
 
+// Whether the nose looks at well within (1) or well without (−1) a polygon of half a metre, the
+// long way round. 0: at its edge.
+static int well_within(const struct ap_viewer *v, const struct ap_iso *part_from_nose, int x,
+                       int y) {
+    const struct ap_frustum *f = &v->eye[0].frustum;
+    double rho = v->space.rho_m;
+    struct ap_vec3 at,
+        back =
+            ap_vec3_normalize((struct ap_vec3){-(f->left + (x + 0.5) / SIDE * (f->right - f->left)),
+                                               -(f->up - (y + 0.5) / SIDE * (f->up - f->down)), 1});
+    if (!ap_exact_on_plane(v->space, part_from_nose, back, PI * rho / 2, &at))
+        return -1;
+    struct ap_vec4 q = ap_iso_apply(part_from_nose, ap_exp(v->space, at));
+    double out_m = rho * fmax(fabs(q.x), fabs(q.z)) / q.w;
+    return out_m < 0.24 ? 1 : out_m > 0.27 * rho * tan(0.25 / rho) / 0.25 ? -1 : 0;
+}
+
+// Two polygons behind her, 1 and 1.5 m off: what she sees of them the long way round is a full turn
+// away less that, so the farther one stands before the nearer, however long a turn is.
+static int behind(struct stage *stage, double rho_m) {
+    struct ap_space space = {1, rho_m};
+    struct ap_part parts[2];
+    struct ap_iso part_from_nose[2];
+    for (int k = 0; k < 2; k++) {
+        struct ap_vec3 at = {0.2 * k, 0.02, 1 + 0.5 * k};
+        struct ap_quat upright = ap_quat_from_axis_angle((struct ap_vec3){1, 0, 0}, PI / 2);
+        parts[k] = (struct ap_part){
+            .kind = AP_PART_POLYGON,
+            .sides = 4,
+            .edge_m = 0.5,
+            .color_srgb = {k == 0, k == 1, 0},
+            .carrier_from_part = ap_iso_mul(ap_iso_translate(space, at), ap_iso_rotate(upright))};
+        part_from_nose[k] = ap_iso_inverse(space, parts[k].carrier_from_part);
+    }
+    struct ap_scene scene = stage_scene(space, parts, 2);
+    struct ap_renderer_params how = {0};
+    struct ap_renderer *renderer = stage_renderer(stage, &scene, &how);
+    struct ap_frame_input input = stage_input(space, AP_VIEW_NATIVE, 0.6, 0);
+    stage_draw(stage, renderer, &input);
+    const uint8_t *px = stage_eye(stage, 0);
+    long seen[2] = {0, 0}, wrong = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        int first = well_within(&input.viewer, &part_from_nose[0], i % SIDE, i / SIDE),
+            second = well_within(&input.viewer, &part_from_nose[1], i % SIDE, i / SIDE);
+        int e = second == 1 ? 1 : second == -1 && first == 1 ? 0 : -1;
+        if (e < 0)
+            continue;
+        seen[e]++;
+        wrong += px[4 * i + e] != 255 || px[4 * i + 1 - e] != 0;
+    }
+    bool bad = wrong > 0 || seen[0] < 2000 || seen[1] < 2000;
+    printf("the long way round, rho %g m: %ld of %ld and %ld pixels wrong (none allowed)%s\n",
+           rho_m, wrong, seen[0], seen[1], bad ? "  FAILED" : "");
+    ap_renderer_destroy(renderer);
+    return bad;
+}
+
 int main(void) {
     struct stage stage;
     if (!stage_open(&stage, SIDE, SIDE, true))
@@ -97,6 +155,9 @@ int main(void) {
     int failures = 0;
     for (int k = 0; k < 4; k++)
         failures += look(&stage, 0.03 * (1 << k), 0.3 * k);
+    for (double rho_m = 1; rho_m < 2e9; rho_m *= 1000)
+        failures += behind(&stage, rho_m);
+    failures += behind(&stage, 10);
     failures += stage.validation_errors;
     stage_close(&stage);
     return failures;

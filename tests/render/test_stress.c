@@ -77,7 +77,7 @@ static struct ap_frame_stats check_frame(const struct ap_scene *scene,
     ap_draw_list_sort(list);
     struct ap_gpu_draw *draws = calloc(list->count + 1, sizeof *draws);
     struct ap_gpu_marks *marks = calloc(1, sizeof *marks);
-    struct ap_gpu_frame frame = ap_frame_of(&input->viewer);
+    struct ap_gpu_frame frame = ap_frame_of(&input->viewer, false);
     ap_frame_depth(&input->viewer, &eyes, &list->range, &frame);
     ap_draw_list_write(scene, input, &eyes, list, draws, marks);
     int bad[3] = {unfinite(draws, list->count * sizeof *draws),

@@ -5,6 +5,7 @@
 
 // Depth clips along the axis, not by distance: with a quarter of the forbidden distance nothing
 // outside it is lost within 75° of the axis. Reversed float depth pays nothing for it.
+static const double PI = 3.14159265358979323846;
 static const double NEAR_PLANE_M = AP_NEAR_M / 4;
 
 void ap_store_iso(const struct ap_iso *m, float columns[16]) {
@@ -52,13 +53,17 @@ static void rigid(struct ap_pose pose, float columns[16]) {
     columns[15] = 1;
 }
 
-struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer) {
+struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer, bool cells) {
     struct ap_gpu_frame frame = {
         .rho = (float)viewer->space.rho_m,
         .near = (float)NEAR_PLANE_M,
         .forbidden = (float)AP_NEAR_M,
         .forbidden_sine = (float)ap_space_sin(viewer->space, AP_NEAR_M / viewer->space.rho_m),
     };
+    // Below near/−z of anything within half a turn of the nose; eyes are within a metre of it.
+    double half_m = PI * viewer->space.rho_m;
+    if (viewer->mode == AP_VIEW_NATIVE && viewer->space.kappa > 0 && !cells)
+        frame.long_way = (float)(NEAR_PLANE_M / (2 * half_m + 2) / PI);
     frame.born_rho = (float)ap_viewer_born(viewer).rho_m;
     for (int e = 0; e < 2; e++) {
         const struct ap_frustum *f = &viewer->eye[e].frustum;

@@ -1,6 +1,7 @@
 #ifndef ANTIPODE_RENDER_FRAME_H
 #define ANTIPODE_RENDER_FRAME_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "src/geom/isometry.h"
@@ -21,7 +22,7 @@ struct ap_gpu_frame {
     float depth[2][4];
     float rho, near;
     float forbidden, forbidden_sine;
-    float born_rho, unused[3];
+    float born_rho, long_way, unused[2];
     float lamp_light[4];
 };
 
@@ -49,8 +50,12 @@ struct ap_eyes {
 };
 struct ap_eyes ap_eyes_of(const struct ap_viewer *viewer, uint32_t width, uint32_t height);
 
-// Everything but depth[] and lamp_light.
-struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer);
+// Everything but depth[] and lamp_light. In native views of s3 all that is seen the long way round
+// lies behind all that is not, and is up to a full turn away: near/−z would not tell what is a
+// metre apart where the radius is a hundred. So its depth is counted from the other end, by its
+// angle from the nose the short way, to a float's digits of that. Worlds of cells (cells) are no
+// larger than a few cells, and keep near/−z.
+struct ap_gpu_frame ap_frame_of(const struct ap_viewer *viewer, bool cells);
 
 // The lamp's reach and radius as in ap_scene.
 void ap_frame_light(const struct ap_viewer *viewer, const struct ap_eyes *eyes, double lamp_reach_m,

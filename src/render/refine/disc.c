@@ -13,8 +13,8 @@ static const double LEAST_PX = 1.6;
 static const double SAGITTA_PX = 0.01;
 static const double RING[RINGS] = {0.95, 0.8, 0.5, 0}; // of the way from the middle to the rim
 
-// What depth is made of: native, metres ahead and nothing; else ahead is 1 and w that of the eye's
-// homogeneous coordinates (shaders/part.glsl).
+// What depth is made of: native, metres ahead and the angle from the nose the short way; else ahead
+// is 1 and w that of the eye's homogeneous coordinates (shaders/part.glsl).
 struct depth {
     double ahead, w;
 };
@@ -39,10 +39,16 @@ static struct depth homogeneous(struct ap_vec4 p, double sign) {
     return (struct depth){1, sign * p.w / (-sign * p.z)};
 }
 
+static double short_way(const struct disc *d, struct ap_vec3 tangent_m) {
+    double t = ap_vec3_length(tangent_m) / d->params->viewer->space.rho_m;
+    return d->params->image ? 2 * PI - t : t;
+}
+
 static struct depth depth_of(const struct disc *d, const struct ap_outline_point *point) {
     const struct ap_viewer *v = d->params->viewer;
     if (v->mode == AP_VIEW_NATIVE)
-        return (struct depth){-ap_pose_apply(d->eye_from_view, point->tangent_m).z, 0};
+        return (struct depth){-ap_pose_apply(d->eye_from_view, point->tangent_m).z,
+                              short_way(d, point->tangent_m)};
     struct ap_born_point born =
         ap_born_from_tangent(v->born, (struct ap_tangent_point){point->tangent_m});
     return homogeneous(ap_iso_apply(&d->eye_from_nose, born.x), born.behind ? -1 : 1);
