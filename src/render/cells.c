@@ -38,7 +38,7 @@ enum ap_status ap_cell_view_create(struct ap_error *err, const struct ap_scene *
     const struct ap_honeycomb *h = scene->honeycomb;
     memset(view, 0, sizeof *view);
     view->parts = calloc(scene->part_count + 1, sizeof *view->parts);
-    view->level = calloc(meshes->shape_count + 1, 1);
+    view->level = calloc(meshes->shape_count + 1, sizeof *view->level);
     view->shape_count = meshes->shape_count;
     if (!view->parts || !view->level)
         return ap_fail(err, AP_ENVIRONMENT, "no memory for the parts of a cell");
@@ -82,19 +82,17 @@ static enum ap_status choose_mesh(struct ap_error *err, const struct frame *f,
     const struct ap_part *part = &f->scene->parts[item->part];
     size_t s = f->meshes->shape_of_part[item->part];
     const struct ap_shape *shape = &f->meshes->shapes[s];
-    signed char *level = &f->view->level[s];
-    int chosen;
+    struct ap_level *level = &f->view->level[s];
     struct ap_place whole = *place;
     whole.nose_from_part = cell->nose_from_cell;
     whole.reach_m = cell->far_m - cell->distance_m;
     whole.anywhere = true;
-    if (!near_cell && *level == UNKNOWN)
-        *level = ap_choose_level(f->viewer, f->eyes, part, shape, &whole, item->image,
-                                 f->what->max_error_px, &chosen)
-                     ? (signed char)chosen
-                     : NONE_HOLDS;
-    chosen = near_cell || *level == NONE_HOLDS ? AP_LEVEL_UNKNOWN : *level;
-    return ap_draw_list_mesh(err, f->what, place, chosen, f->list, item);
+    if (!near_cell && level->level == UNKNOWN &&
+        !ap_choose_level(f->viewer, f->eyes, part, shape, &whole, item->image,
+                         f->what->max_error_px, level))
+        level->level = NONE_HOLDS;
+    bool known = !near_cell && level->level != NONE_HOLDS;
+    return ap_draw_list_mesh(err, f->what, place, known ? level : NULL, f->list, item);
 }
 
 static enum ap_pipeline_kind pipeline_of(const struct frame *f, const struct ap_part *part,
@@ -325,7 +323,8 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
     list->stats.cells = stats;
     for (size_t i = 0; !st && i < view->portal.count; i++) {
         const struct ap_seen_cell *cell = &view->portal.seen[i];
-        memset(view->level, UNKNOWN, view->shape_count);
+        for (size_t s = 0; s < view->shape_count; s++)
+            view->level[s].level = UNKNOWN;
         f.rank = rank_of(&f, cell);
         if (f.windows)
             f.sides = sides_of_cell(&f, cell);

@@ -11,8 +11,8 @@ struct ap_cell_view {
     struct ap_portal portal;
     size_t *parts; // those that every cell has
     size_t part_count;
-    signed char *level; // by shape: of the cell at hand, or that it is not chosen, or that none
-                        // holds the bound
+    struct ap_level *level; // by shape: of the cell at hand, or that it is not chosen, or that
+                            // none holds the bound
     size_t shape_count;
     bool warned; // the budget's end has been told
 };

@@ -257,7 +257,7 @@ static bool holds_after_all(const struct ap_list_params *params, const struct ap
     const struct ap_part *part = &params->scene->parts[item->part];
     const struct ap_shape *shape =
         &params->meshes->shapes[params->meshes->shape_of_part[item->part]];
-    int level;
+    struct ap_level level;
     if (part->kind != AP_PART_SOLID || part->form == AP_FORM_FACETS ||
         viewer->mode == AP_VIEW_BORN ||
         !ap_choose_level(viewer, params->eyes, part, shape, place, item->image,
@@ -319,21 +319,24 @@ static enum ap_status refine(struct ap_error *err, const struct ap_list_params *
 }
 
 enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,
-                                 const struct ap_place *place, int level, struct ap_draw_list *list,
-                                 struct ap_draw_item *item) {
+                                 const struct ap_place *place, const struct ap_level *known,
+                                 struct ap_draw_list *list, struct ap_draw_item *item) {
     const struct ap_viewer *viewer = &params->input->viewer;
     const struct ap_part *part = &params->scene->parts[item->part];
     size_t index = params->meshes->shape_of_part[item->part];
     const struct ap_shape *shape = &params->meshes->shapes[index];
-    struct ap_seam_cut cuts[AP_SEAMS_MAX];
-    int pieces = 1;
-    bool known = level != AP_LEVEL_UNKNOWN, seams = shape->seam_count > 0;
+    struct ap_seam_cut cuts[AP_SEAMS_MAX] = {{0}};
+    struct ap_level chosen;
     bool held = known || ap_choose_level(viewer, params->eyes, part, shape, place, item->image,
-                                         params->max_error_px, &level);
+                                         params->max_error_px, &chosen);
+    if (known)
+        chosen = *known;
+    int level = chosen.level, pieces = 1;
+    bool seams = shape->seam_count > 0, small = shape->mesh[level].index_count / 3 <= AHEAD_MAX;
     // What holds the bound with whole seams has no others.
-    bool cut = seams && !(known && level == 0);
-    bool snaps = !cut || ap_seams_cut(viewer, params->eyes, part, shape, &item->nose_from_part,
-                                      item->image, params->max_error_px, cuts, &pieces);
+    bool cut = seams && !(known && level == 0), judged = cut && !(chosen.whole_seams && small);
+    bool snaps = !judged || ap_seams_cut(viewer, params->eyes, part, shape, &item->nose_from_part,
+                                         item->image, params->max_error_px, cuts, &pieces);
     if (!held && snaps && holds_after_all(params, place, list, item)) {
         held = true;
         if (is_stretched(params, place, item))
@@ -436,7 +439,7 @@ static enum ap_status add_part(struct ap_error *err, const struct ap_list_params
             item.pipeline = ap_pipeline_for(part, params->input->plain);
             if (guard) // both sides: an eye may be inside
                 item.pipeline = ap_pipeline_looked_at(item.pipeline, false);
-            st = ap_draw_list_mesh(err, params, &place, AP_LEVEL_UNKNOWN, list, &item);
+            st = ap_draw_list_mesh(err, params, &place, NULL, list, &item);
             // A straight facet's depth would be off by more than what lies behind one another.
             if (image == 1 && viewer->mode == AP_VIEW_NATIVE)
                 item.pipeline = exact(item.pipeline);

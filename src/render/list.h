@@ -68,12 +68,10 @@ enum ap_pipeline_kind ap_pipeline_looked_at(enum ap_pipeline_kind pipeline, bool
 // Gives an item, whose place, image and pipeline are known, a mesh that holds the bound: one made
 // ahead, or where none does (or only a large one) one for this frame, which may change the pipeline
 // to one that takes its depth from the surface. Its seams are cut as all parts that share them do.
-// Counts what cannot hold the bound. level: one of the shape's that is known to, or
-// AP_LEVEL_UNKNOWN.
-enum { AP_LEVEL_UNKNOWN = -1 };
+// Counts what cannot hold the bound. known: a level that is known to, or NULL.
 enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_params *params,
-                                 const struct ap_place *place, int level, struct ap_draw_list *list,
-                                 struct ap_draw_item *item);
+                                 const struct ap_place *place, const struct ap_level *known,
+                                 struct ap_draw_list *list, struct ap_draw_item *item);
 
 // Adds one part in one image, seen at distances near_m…far_m, if an eye sees it; counts it if not.
 void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,

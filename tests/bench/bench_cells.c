@@ -1,6 +1,6 @@
 // What a frame of a scene costs, in processor time of all threads a megapixel drawn, and where it
 // goes: bench_cells [ROUNDS [WIDTH HEIGHT [SCENE…]]]. Every scene has its turn in every round: with
-// one eye open, and with both. "1:" before a scene's name: with one sample a pixel.
+// one eye open, and with both. "1:" or "4:" before a scene's name: with so many samples a pixel.
 // Medians, with the quarters above and below; the ratio of two eyes to one is of the rounds' own
 // ratios.
 #include <math.h>
@@ -48,7 +48,7 @@ struct contender {
 static struct ap_scene *scene_named(const char *name) {
     struct ap_scene *scene;
     struct ap_scene_params params = {0};
-    name += strncmp(name, "1:", 2) == 0 ? 2 : 0;
+    name += name[0] && name[1] == ':' ? 2 : 0;
     if (strncmp(name, "room:", 5) == 0) {
         params.space_name = name + 5;
         STAGE_CHECK(ap_scene_billiards(&stage_error, &params, &scene));
@@ -113,8 +113,9 @@ int main(int argc, char **argv) {
     for (int i = 0; i < count; i++) {
         contender[i].name = argc > 4 ? argv[4 + i] : SCENES[i];
         contender[i].scene = scene_named(contender[i].name);
-        bool one = strncmp(contender[i].name, "1:", 2) == 0;
-        struct ap_renderer_params params = {.now_ns = thread_ns, .samples = one ? 1 : 0};
+        bool one = strncmp(contender[i].name, "1:", 2) == 0,
+             four = strncmp(contender[i].name, "4:", 2) == 0;
+        struct ap_renderer_params params = {.now_ns = thread_ns, .samples = one ? 1 : four ? 4 : 0};
         contender[i].renderer = stage_renderer(&stage, contender[i].scene, &params);
     }
     for (int k = -2; k < rounds; k++) // the first ones compile

@@ -40,6 +40,10 @@ static enum ap_status reserve(struct ap_error *err, struct ap_mesh_data *data, s
     return AP_OK;
 }
 
+size_t ap_mesh_data_bytes(const struct ap_mesh_data *data) {
+    return data->vertex_space * sizeof *data->vertices + data->index_space * sizeof *data->indices;
+}
+
 struct ap_mesh ap_mesh_data_begin(const struct ap_mesh_data *data) {
     return (struct ap_mesh){.first_vertex = (uint32_t)data->vertex_count,
                             .first_index = (uint32_t)data->index_count};
@@ -78,6 +82,24 @@ enum ap_status ap_mesh_data_copy(struct ap_error *err, struct ap_mesh_data *data
     if (st == AP_OK)
         data->vertices[data->vertex_count++] = *vertex;
     return st;
+}
+
+enum ap_status ap_mesh_data_append(struct ap_error *err, struct ap_mesh_data *data,
+                                   const struct ap_mesh_data *from, const struct ap_mesh *mesh,
+                                   struct ap_mesh *copy) {
+    enum ap_status st = reserve(err, data, mesh->vertex_count, mesh->index_count);
+    if (st != AP_OK)
+        return st;
+    struct ap_mesh made = ap_mesh_data_begin(data);
+    memcpy(data->vertices + data->vertex_count, from->vertices + mesh->first_vertex,
+           mesh->vertex_count * sizeof *data->vertices);
+    memcpy(data->indices + data->index_count, from->indices + mesh->first_index,
+           mesh->index_count * sizeof *data->indices);
+    data->vertex_count += mesh->vertex_count;
+    data->index_count += mesh->index_count;
+    ap_mesh_data_end(data, &made);
+    *copy = made;
+    return AP_OK;
 }
 
 enum ap_status ap_mesh_data_triangle(struct ap_error *err, struct ap_mesh_data *data, uint32_t a,

@@ -23,6 +23,7 @@ struct ap_mesh_data {
     size_t vertex_count, index_count;
     size_t vertex_space, index_space;
 };
+size_t ap_mesh_data_bytes(const struct ap_mesh_data *data); // that it holds
 void ap_mesh_data_finish(struct ap_mesh_data *data);
 enum ap_status ap_mesh_data_vertex(struct ap_error *err, struct ap_mesh_data *data,
                                    struct ap_vec4 position, struct ap_vec4 normal);
@@ -37,6 +38,11 @@ struct ap_mesh {
 };
 struct ap_mesh ap_mesh_data_begin(const struct ap_mesh_data *data); // what is added from here on…
 void ap_mesh_data_end(const struct ap_mesh_data *data, struct ap_mesh *mesh); // …is the mesh
+
+// Copies a mesh of other data, `from`.
+enum ap_status ap_mesh_data_append(struct ap_error *err, struct ap_mesh_data *data,
+                                   const struct ap_mesh_data *from, const struct ap_mesh *mesh,
+                                   struct ap_mesh *copy);
 
 // The twelve corners and twenty faces of the icosahedron.
 struct ap_vec3 ap_icosahedron_corner(int i);

@@ -102,7 +102,10 @@ static enum ap_status seam_of(struct ap_error *err, struct ap_space space,
     enum ap_status st = ap_distance(err, space, e[0], e[1], &chord_m);
     if (st != AP_OK)
         return st;
-    *seam = (struct ap_seam){.end = {e[0], e[1]}, .chord_m = chord_m, .length_m = chord_m};
+    *seam = (struct ap_seam){.end = {e[0], e[1]},
+                             .length_m = chord_m,
+                             .chord_cos = ap_space_cos(space, chord_m / space.rho_m),
+                             .chord_sin = ap_space_sin(space, chord_m / space.rho_m)};
     if (part->form == AP_FORM_PLANE)
         return AP_OK;
     struct ap_vec4 middle = seam_point(space, finest, k, finest->seam_pieces / 2);
@@ -121,11 +124,11 @@ static enum ap_status seam_of(struct ap_error *err, struct ap_space space,
     return AP_OK;
 }
 
-// The seams of a solid with a form, and what meshes with coarser ones are made of: the levels that
-// the shape has.
+// The seams of a solid with a form, and what meshes with coarser ones are made of: copies of the
+// levels that the shape has in data.
 static enum ap_status keep_seams(struct ap_error *err, const struct ap_scene *scene,
-                                 const struct ap_part *part, struct ap_mesh_data *kept,
-                                 struct ap_shape *shape) {
+                                 const struct ap_part *part, const struct ap_mesh_data *data,
+                                 struct ap_mesh_data *kept, struct ap_shape *shape) {
     enum ap_status st = AP_OK;
     if (part->kind != AP_PART_SOLID || part->form == AP_FORM_FACETS)
         return AP_OK;
@@ -134,12 +137,18 @@ static enum ap_status keep_seams(struct ap_error *err, const struct ap_scene *sc
     if (solid->seam_count > AP_SEAMS_MAX)
         return AP_OK;
     shape->seam_count = solid->seam_count;
-    for (int k = 0; st == AP_OK && k < shape->seam_count; k++)
-        st = seam_of(err, scene->space, part, solid, finest, k, &shape->seam[k]);
+    struct ap_seam *worst = &shape->worst_seam;
+    for (int k = 0; st == AP_OK && k < shape->seam_count; k++) {
+        struct ap_seam *seam = &shape->seam[k];
+        st = seam_of(err, scene->space, part, solid, finest, k, seam);
+        worst->length_m = fmax(worst->length_m, seam->length_m);
+        worst->bulge_m = fmax(worst->bulge_m, seam->bulge_m);
+        worst->bend_rad = fmax(worst->bend_rad, seam->bend_rad);
+    }
     for (int k = 0; st == AP_OK && shape->seam_count > 0 && k < shape->levels; k++) {
         shape->seam_pieces[k] = solid[k].seam_pieces;
         shape->seam_vertex[k] = solid[k].seams;
-        st = ap_mesh_solid(err, scene->space, &solid[k], kept, &shape->kept[k]);
+        st = ap_mesh_data_append(err, kept, data, &shape->mesh[k], &shape->kept[k]);
     }
     return st;
 }
@@ -223,7 +232,7 @@ static enum ap_status add_parts(struct ap_error *err, const struct ap_scene *sce
             st = add_shape(err, scene, part, data, &made->shapes[s]);
             drop_large(most, data, &made->shapes[s]);
             if (st == AP_OK)
-                st = keep_seams(err, scene, part, &made->kept, &made->shapes[s]);
+                st = keep_seams(err, scene, part, data, &made->kept, &made->shapes[s]);
             first_part[s] = i;
             made->shape_count++;
         }

@@ -12,10 +12,10 @@ enum { AP_LEVELS_MAX = 12, AP_OUT_MAX = 12, AP_SEAMS_MAX = 6 };
 // A line of a piece's rim that others share (ap_solid): on a plane a geodesic, on a tube along it,
 // on a sphere a great circle's.
 struct ap_seam {
-    struct ap_vec4 end[2]; // in the part's coordinates
-    // From end to end: the straight way, along the line, and how far it leaves the straight way.
-    double chord_m, length_m, bulge_m;
-    double bend_rad; // on a sphere: half the angle at its middle
+    struct ap_vec4 end[2];       // in the part's coordinates
+    double length_m, bulge_m;    // along the line, and how far it leaves the straight way
+    double chord_cos, chord_sin; // C and S of the straight way from end to end
+    double bend_rad;             // on a sphere: half the angle at its middle
 };
 
 struct ap_shape {
@@ -30,6 +30,7 @@ struct ap_shape {
     int out_count;
     struct ap_seam seam[AP_SEAMS_MAX];
     int seam_count;
+    struct ap_seam worst_seam; // the largest length_m, bulge_m and bend_rad of all
     // By level, where there are seams: the solid's own (borrowed), and the level in `kept`.
     int seam_pieces[AP_LEVELS_MAX];
     const unsigned *seam_vertex[AP_LEVELS_MAX];

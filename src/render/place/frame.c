@@ -32,6 +32,7 @@ struct ap_eyes ap_eyes_of(const struct ap_viewer *viewer, uint32_t width, uint32
         eyes.pixels[e] = fmax(width / (f->right - f->left), height / (f->up - f->down));
         eyes.slope[e] =
             hypot(fmax(fabs(f->left), fabs(f->right)), fmax(fabs(f->up), fabs(f->down)));
+        eyes.corner_rad[e] = atan(eyes.slope[e]);
         eyes.reach_m = fmax(eyes.reach_m, ap_vec3_length(viewer->eye[e].view_from_eye.p));
         eyes.eye_from_nose[e] = ap_eye_from_nose(viewer, e);
     }

@@ -47,6 +47,7 @@ struct ap_eyes {
     double reach_m;                 // the farther eye's distance from the nose
     double pixels[2];               // pixels a unit of tangent, the larger of the two axes
     double slope[2];                // the largest tangent at the picture's corners
+    double corner_rad[2];           // its angle
 };
 struct ap_eyes ap_eyes_of(const struct ap_viewer *viewer, uint32_t width, uint32_t height);
 

@@ -7,6 +7,7 @@
 
 static const double PI = 3.14159265358979323846;
 static const double NEAR_ANTIPODE = 0.3; // over rho
+static const double H3_EDGE_MAX = 20;    // over rho: ap_edge_miss_h3 is asked up to there
 enum { CORNERS_MAX = 64 };
 
 // The distance whose S is this; in s3 the one up to a quarter turn.
@@ -141,12 +142,18 @@ bool ap_clear_of_eyes(const struct ap_viewer *viewer, const struct ap_eyes *eyes
            (viewer->space.kappa <= 0 || place->far_m <= PI * viewer->space.rho_m - eye);
 }
 
-// The largest angle between `ahead` and anything of the part as the nose sees it; PI where nothing
-// better is known.
-static double off_axis(struct ap_space space, const struct ap_part *part,
-                       const struct ap_place *place, int image, struct ap_vec3 ahead) {
+static struct ap_vec3 ahead_of(const struct ap_viewer *viewer, int e) {
+    return ap_quat_rotate(viewer->eye[e].view_from_eye.q, (struct ap_vec3){0, 0, -1});
+}
+
+// The largest angle between where each eye looks to and anything of the part as the nose sees it;
+// PI where nothing better is known.
+static void off_axes(const struct ap_viewer *viewer, const struct ap_part *part,
+                     const struct ap_place *place, int image, double off_rad[2]) {
+    const struct ap_space space = viewer->space;
+    const struct ap_vec3 ahead[2] = {ahead_of(viewer, 0), ahead_of(viewer, 1)};
     struct ap_vec4 points[CORNERS_MAX] = {{0, 0, 0, space.rho_m}};
-    double radius_m = place->reach_m, rho = space.rho_m, worst = 0;
+    double radius_m = place->reach_m, rho = space.rho_m, worst[2] = {0};
     // Corners that lie in a circle narrower than a hemisphere have all that is between them in it.
     bool cornered = !place->anywhere && (part->kind == AP_PART_STICK ||
                                          (part->kind == AP_PART_POLYGON && part->sides <= 8));
@@ -155,25 +162,29 @@ static double off_axis(struct ap_space space, const struct ap_part *part,
     for (int i = 0; i < count; i++) {
         struct ap_vec4 p = ap_iso_apply(&place->nose_from_part, points[i]);
         struct ap_vec3 u = ap_vec3_normalize((struct ap_vec3){p.x, p.y, p.z});
-        double off = acos(fmin(fmax(ap_vec3_dot(u, ahead), -1), 1));
-        double d = ap_vec3_length(ap_log_unchecked(space, p, 0)) / rho;
-        worst = fmax(worst, image ? PI - off : off);
+        double d = ap_base_distance(space, p) / rho;
+        for (int e = 0; e < 2; e++) {
+            double off = acos(fmin(fmax(ap_vec3_dot(u, ahead[e]), -1), 1));
+            worst[e] = fmax(worst[e], image ? PI - off : off);
+        }
         lo = fmin(lo, d);
         hi = fmax(hi, d);
     }
     // The axis of a stick comes nearer than its ends do.
     double r = radius_m / rho;
+    off_rad[0] = off_rad[1] = PI;
     if (count > 1)
         lo = fmin(lo, place->near_m / rho + r);
     if (count > 1 && space.kappa > 0)
         hi = fmax(hi, place->far_m / rho - r);
     if (!(r < lo) || (space.kappa > 0 && !(r + hi < PI)))
-        return PI;
+        return;
     double away = ap_space_sin(space, lo);
     if (space.kappa > 0)
         away = fmin(away, sin(hi));
-    worst += asin(fmin(ap_space_sin(space, r) / away, 1));
-    return worst;
+    double wide = asin(fmin(ap_space_sin(space, r) / away, 1));
+    for (int e = 0; e < 2; e++)
+        off_rad[e] = worst[e] + wide;
 }
 
 // The least S, over rho, by which lengths across the line of sight are divided to be angles, for
@@ -205,49 +216,56 @@ static double pixels_at(const struct ap_viewer *viewer, const struct ap_eyes *ey
         aside = beside < s ? asin(beside / s) : PI;
     }
     for (int e = 0; e < 2; e++) {
-        double off = off_rad[e] + aside, corner = atan(eyes->slope[e]);
+        double off = off_rad[e] + aside, corner = eyes->corner_rad[e];
         double slope = tan(!(off < corner) ? corner : off);
         most = fmax(most, eyes->pixels[e] * (1 + slope * slope));
     }
     return most;
 }
 
-static struct ap_vec3 ahead_of(const struct ap_viewer *viewer, int e) {
-    return ap_quat_rotate(viewer->eye[e].view_from_eye.q, (struct ap_vec3){0, 0, -1});
-}
+// A round outline of radius r_m whose middle or axis is near_m…far_m away: what does not depend on
+// how fine its facets are.
+struct outline {
+    double s, sine, whole, angle; // sine of the radius; its tangent; as it is seen
+    bool known;
+};
 
-// Pixels a radian, at most, anywhere that the part is seen.
-static double pixels_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
-                        const struct ap_part *part, const struct ap_place *place, int image) {
-    double off[2];
-    for (int e = 0; e < 2; e++)
-        off[e] = off_axis(viewer->space, part, place, image, ahead_of(viewer, e));
-    return pixels_at(viewer, eyes, off, place->near_m, place->far_m, image);
-}
-
-// How far inside a round outline of radius r_m its facets fall, radians, where its middle or its
-// axis is near_m…far_m away: the middle of a facet lies at the distance m from the axis with
-// tan m = tan r · cos grain (tanh in h3).
-static double outline_error(const struct ap_viewer *viewer, const struct ap_eyes *eyes, double r_m,
-                            double near_m, double far_m, double grain, double step_m) {
+static struct outline outline_of(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                                 double r_m, double near_m, double far_m) {
     struct ap_space space = viewer->space;
-    double rho = space.rho_m, r = r_m / rho, s = least_sine(viewer, eyes, near_m, far_m);
-    double sr = ap_space_sin(space, r), a = sr / s;
-    if (!(s > 0) || !(a < 0.95))
+    double r = r_m / space.rho_m;
+    struct outline o = {.s = least_sine(viewer, eyes, near_m, far_m),
+                        .sine = ap_space_sin(space, r)};
+    o.known = o.s > 0 && o.sine / o.s < 0.95;
+    if (!o.known)
+        return o;
+    o.whole = o.sine / ap_space_cos(space, r);
+    o.angle = asin(o.sine / o.s);
+    return o;
+}
+
+// How far inside it its facets fall, radians: the middle of a facet lies at the distance m from the
+// axis with tan m = tan r · cos grain (tanh in h3).
+static double outline_error(struct ap_space space, const struct outline *o, double grain,
+                            double step_m) {
+    if (!o->known)
         return INFINITY;
     // Along a tube a facet's edge is a geodesic: in h3 its middle is nearer to the axis than the
     // tube is (tanh by cosh of half the step), in s3 farther (tan by cos).
-    double whole = sr / ap_space_cos(space, r), half = step_m / 2 / rho;
-    double low = whole * cos(grain) / (space.kappa < 0 ? cosh(half) : 1);
+    double half = step_m / 2 / space.rho_m, whole = o->whole;
+    double low = whole * (grain > 0 ? cos(grain) : 1) / (space.kappa < 0 ? cosh(half) : 1);
     double high = space.kappa > 0 ? whole / cos(fmin(half, 1.5)) : whole;
-    double sunk = asin(a) - asin(low / sqrt(1 + space.kappa * low * low) / s);
-    double raised = high / sqrt(1 + space.kappa * high * high) / s;
-    return raised < 1 ? fmax(sunk, asin(raised) - asin(a)) : INFINITY;
+    double sunk = o->angle - asin(low / sqrt(1 + space.kappa * low * low) / o->s);
+    if (space.kappa <= 0)
+        return sunk;
+    double raised = high / sqrt(1 + space.kappa * high * high) / o->s;
+    return raised < 1 ? fmax(sunk, asin(raised) - o->angle) : INFINITY;
 }
 
 double ap_edge_miss_h3(double length, double d) {
-    double end = acosh(cosh(d) * cosh(length / 2));
-    return 1.65 * (1 / d - tanh(end) / (end * tanh(d)));
+    double near = cosh(d), end = near * cosh(length / 2), root = sqrt(end * end - 1);
+    double tanh_near = sqrt(near * near - 1) / near, tanh_end = root / end;
+    return 1.65 * (1 / d - tanh_end / (log(end + root) * tanh_near));
 }
 
 double ap_edge_miss_long_way(double length, double near, double far) {
@@ -270,7 +288,7 @@ static double edge_error(const struct ap_viewer *viewer, const struct ap_eyes *e
     if (born) // both maps bend lines: at worst their curvatures add up
         rho = 1 / hypot(1 / rho, 1 / viewer->born.rho_m);
     double miss = square / (9 * d * rho * rho);
-    if (space.kappa < 0 && !born && d > rho && d < 20 * rho)
+    if (space.kappa < 0 && !born && d > rho && d < H3_EDGE_MAX * rho)
         miss = fmin(miss, ap_edge_miss_h3(edge_m / rho, d / rho) / rho);
     double angle = e * miss / (1 - e / d);
     // How far a sheet's facets are off in depth: it shows where it meets others at a small angle.
@@ -296,14 +314,19 @@ static double longest_facet(const struct ap_viewer *viewer, const struct ap_plac
     return 0.3 * fmax(PI * rho - place->far_m, 0);
 }
 
-// A solid's facets: those of its round side turn by grain_rad.
+// A solid's facets: those of its round side, within `o`, turn by grain_rad.
 static double solid_error(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                           const struct ap_place *place, int image, double radius_m,
-                          double grain_rad, double step_m, bool tube) {
-    double round = 0, near_m = place->near_m + radius_m, far_m = place->far_m - radius_m;
-    if (radius_m > 0)
-        round = outline_error(viewer, eyes, radius_m, near_m, far_m, grain_rad, tube ? step_m : 0);
+                          const struct outline *o, double grain_rad, double step_m, bool tube) {
+    double round = radius_m > 0 ? outline_error(viewer->space, o, grain_rad, tube ? step_m : 0) : 0;
     return round + edge_error(viewer, eyes, place, image, step_m, false);
+}
+
+static struct outline solid_outline(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                                    const struct ap_place *place, double radius_m) {
+    if (!(radius_m > 0))
+        return (struct outline){.known = false};
+    return outline_of(viewer, eyes, radius_m, place->near_m + radius_m, place->far_m - radius_m);
 }
 
 // What ap_refine_part would cut for its length alone is not left to it: the rest of its part could
@@ -326,40 +349,56 @@ static bool short_enough(const struct ap_viewer *viewer, const struct ap_line *l
     return wide < 0.7 * d && wide * wide / (8 * d) + round < 0.015 * d;
 }
 
-double ap_line_error_px(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
-                        const struct ap_line *line, int image, double grain_rad, double step_m) {
+int ap_line_depth(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                  const struct ap_line *line, int image, double max_error_px, int most) {
     const struct ap_place place = {.near_m = line->near_m, .far_m = line->far_m};
-    if (viewer->mode == AP_VIEW_BORN || !(step_m < longest_facet(viewer, &place)) ||
-        !short_enough(viewer, line, image, grain_rad, step_m))
-        return INFINITY;
+    if (viewer->mode == AP_VIEW_BORN)
+        return -1;
     double off[2] = {PI, PI}; // in s3 what is between the ends may be farther off than they are
-    for (int e = 0; e < 2 && viewer->space.kappa <= 0; e++)
-        for (int i = 0; i < 2; i++) {
-            double c = ap_vec3_dot(ahead_of(viewer, e), line->toward[i]);
-            off[e] = fmax(i ? off[e] : 0, acos(fmin(fmax(c, -1), 1)));
-        }
-    return solid_error(viewer, eyes, &place, image, line->radius_m, grain_rad, step_m,
-                       grain_rad == 0) *
-           pixels_at(viewer, eyes, off, line->near_m, line->far_m, image);
+    for (int e = 0; e < 2 && viewer->space.kappa <= 0; e++) {
+        struct ap_vec3 ahead = ahead_of(viewer, e);
+        double least =
+            fmin(ap_vec3_dot(ahead, line->toward[0]), ap_vec3_dot(ahead, line->toward[1]));
+        off[e] = acos(fmin(fmax(least, -1), 1));
+    }
+    double pixels = pixels_at(viewer, eyes, off, line->near_m, line->far_m, image),
+           longest = longest_facet(viewer, &place);
+    const struct outline o = solid_outline(viewer, eyes, &place, line->radius_m);
+    for (int depth = 0; depth <= most; depth++) {
+        double grain = ldexp(line->bend_rad, -depth), step = ldexp(line->length_m, -depth);
+        if (step < longest && short_enough(viewer, line, image, grain, step) &&
+            solid_error(viewer, eyes, &place, image, line->radius_m, &o, grain, step, grain == 0) *
+                    pixels <
+                max_error_px)
+            return depth;
+    }
+    return -1;
 }
 
 enum { LIT_LEVEL = 2 }; // a polygon's from which on light at the corners always does
 
+// The outline that a part's facets are judged by.
+static struct outline part_outline(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                                   const struct ap_part *part, const struct ap_place *place) {
+    double centre = (place->near_m + place->far_m) / 2;
+    if (part->kind == AP_PART_BALL)
+        return outline_of(viewer, eyes, part->radius_m, centre, centre);
+    return solid_outline(viewer, eyes, place, fmax(part->radius_m, part->radius2_m));
+}
+
 static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                         const struct ap_part *part, const struct ap_shape *shape,
-                        const struct ap_place *place, int image, double max_rad, int level) {
-    double centre = (place->near_m + place->far_m) / 2, longest = longest_facet(viewer, place);
+                        const struct ap_place *place, const struct outline *o, int image,
+                        double max_rad, int level) {
+    double longest = longest_facet(viewer, place);
     double radius = fmax(part->radius_m, part->radius2_m);
     double grain = shape->grain[level], step = shape->step_m[level];
     switch (part->kind) {
     case AP_PART_BALL:
-        return outline_error(viewer, eyes, part->radius_m, centre, centre, grain, 0) < max_rad &&
+        return outline_error(viewer->space, o, grain, 0) < max_rad &&
                2 * part->radius_m * grain < longest;
     case AP_PART_STICK:
-        return outline_error(viewer, eyes, radius, place->near_m + radius, place->far_m - radius,
-                             grain, step) +
-                       edge_error(viewer, eyes, place, image, step, false) <
-                   max_rad &&
+        return solid_error(viewer, eyes, place, image, radius, o, grain, step, true) < max_rad &&
                fmax(step, 2 * radius * grain) < longest;
     case AP_PART_POLYGON:
         // Plain ones have their light at their corners, which may not be far apart.
@@ -370,24 +409,57 @@ static bool fine_enough(const struct ap_viewer *viewer, const struct ap_eyes *ey
     case AP_PART_SOLID:
         if (shape->levels < 2 || (grain == 0 && step == 0)) // it is what its mesh says
             return true;
-        return solid_error(viewer, eyes, place, image, radius, grain, step,
+        return solid_error(viewer, eyes, place, image, radius, o, grain, step,
                            part->form == AP_FORM_TUBE) < max_rad &&
                step < longest;
     }
     return true;
 }
 
+// Whether no seam need be cut, by what ap_line_depth would say at the worst: its bounds grow
+// with the range of distances, the length of a step and the angle from the axis.
+static bool seams_hold(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                       const struct ap_part *part, const struct ap_shape *shape,
+                       const struct ap_place *place, const double off_rad[2], int image,
+                       double max_error_px) {
+    const double almost = 1 - 1e-9, anywhere[2] = {PI, PI};
+    const struct ap_seam *worst = &shape->worst_seam;
+    const struct ap_line line = {.near_m = place->near_m - worst->bulge_m,
+                                 .far_m = place->far_m + worst->bulge_m,
+                                 .radius_m = part->form == AP_FORM_PLANE ? 0 : part->radius_m};
+    const struct ap_place within = {.near_m = line.near_m, .far_m = line.far_m};
+    const struct outline o = solid_outline(viewer, eyes, &within, line.radius_m);
+    bool grows = viewer->space.kappa >= 0 || line.far_m < H3_EDGE_MAX * viewer->space.rho_m;
+    if (!grows || !(line.near_m > 0) || !(worst->length_m < longest_facet(viewer, &within)) ||
+        !short_enough(viewer, &line, image, worst->bend_rad, worst->length_m))
+        return false;
+    double miss = solid_error(viewer, eyes, &within, image, line.radius_m, &o, worst->bend_rad,
+                              worst->length_m, part->form == AP_FORM_TUBE);
+    const double *off = viewer->space.kappa > 0 ? anywhere : off_rad;
+    return miss * pixels_at(viewer, eyes, off, line.near_m, line.far_m, image) <
+           almost * max_error_px;
+}
+
 bool ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                      const struct ap_part *part, const struct ap_shape *shape,
-                     const struct ap_place *place, int image, double max_error_px, int *level) {
-    double max_rad = max_error_px / pixels_of(viewer, eyes, part, place, image);
-    *level = shape->levels - 1;
+                     const struct ap_place *place, int image, double max_error_px,
+                     struct ap_level *level) {
+    double off[2];
+    off_axes(viewer, part, place, image, off);
+    double max_rad =
+        max_error_px / pixels_at(viewer, eyes, off, place->near_m, place->far_m, image);
+    *level = (struct ap_level){.level = shape->levels - 1};
     if (viewer->mode == AP_VIEW_BORN)
         return false; // these bounds are not made for her space
-    for (int k = 0; k < shape->levels; k++)
-        if (fine_enough(viewer, eyes, part, shape, place, image, max_rad, k)) {
-            *level = k;
-            return true;
-        }
-    return false;
+    const struct outline o = part_outline(viewer, eyes, part, place);
+    int k = 0;
+    while (k < shape->levels &&
+           !fine_enough(viewer, eyes, part, shape, place, &o, image, max_rad, k))
+        k++;
+    if (k == shape->levels)
+        return false;
+    level->level = k;
+    level->whole_seams = shape->seam_count > 0 &&
+                         seams_hold(viewer, eyes, part, shape, place, off, image, max_error_px);
+    return true;
 }

@@ -42,22 +42,31 @@ bool ap_place_in_domain(const struct ap_place *place);
 // The coarsest mesh made ahead that is seen nowhere farther than max_error_px from the surface it
 // stands for (docs/rendering.md says by which bounds). False, *level the finest: none is, by these
 // bounds; ap_refine_part looks closer.
+// whole_seams: by what ap_line_depth would say at the worst none of the shape's seams
+// need be cut, wherever they are within the place; false says nothing.
+struct ap_level {
+    int level;
+    bool whole_seams;
+};
 bool ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                      const struct ap_part *part, const struct ap_shape *shape,
-                     const struct ap_place *place, int image, double max_error_px, int *level);
+                     const struct ap_place *place, int image, double max_error_px,
+                     struct ap_level *level);
 
 // A line of a tube, a sphere (radius_m about their axis and middle) or a plane (0), as the nose
-// sees it: where its ends are, unit, and what its points' distances lie between.
+// sees it: where its ends are, unit, and what its points' distances lie between; in h3 far_m may be
+// INFINITY. length_m is along it; on a sphere it is bend_rad wide to either side of its middle.
 struct ap_line {
     struct ap_vec3 toward[2];
-    double near_m, far_m, radius_m;
+    double near_m, far_m, radius_m, length_m, bend_rad;
 };
 
-// By the same bounds: how far from the line its polyline of pieces step_m long is seen, at most, in
-// pixels of either eye; on a sphere each is grain_rad wide to either side of its middle. INFINITY
-// where they say nothing. Never more than they say of a mesh with such steps that holds the line.
-double ap_line_error_px(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
-                        const struct ap_line *line, int image, double grain_rad, double step_m);
+// By the same bounds: into how many equal pieces, 2 to the power of what is returned, a line is cut
+// at least, to be seen by either eye within max_error_px of where it is. −1: they say so of none up
+// to 2^most, or say nothing. Never more than they say of a mesh with such steps that holds the
+// line.
+int ap_line_depth(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
+                  const struct ap_line *line, int image, double max_error_px, int most);
 
 // How far 1/distance is off in h3, at most, on a straight triangle in tangent space for a geodesic
 // one: over 1/rho; the longest edge and the distance of the nearest point over rho, length < d. It

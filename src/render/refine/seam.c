@@ -13,10 +13,10 @@ struct ap_snapped_mesh {
 };
 
 // The nearest and the farthest distance of a geodesic's points, over rho, in s3 and h3: W = w/rho
-// of its ends, and its length over rho. Along it W is a cosine.
-static void reach_of(struct ap_space space, const double w[2], double length, double *near,
+// of its ends, and C and S of its length. Along it W is a cosine. In h3 nobody asks for the
+// farthest.
+static void reach_of(struct ap_space space, const double w[2], double c, double s, double *near,
                      double *far) {
-    double c = ap_space_cos(space, length), s = ap_space_sin(space, length);
     double kappa = space.kappa, low = fmin(w[0], w[1]), high = fmax(w[0], w[1]);
     double square = kappa * (w[0] * w[0] + w[1] * w[1] - 2 * c * w[0] * w[1]) / (s * s);
     double top = sqrt(fmax(square, 0));
@@ -29,14 +29,16 @@ static void reach_of(struct ap_space space, const double w[2], double length, do
     } else {
         low = turns && !rises ? top : low;
         *near = acosh(fmax(low, 1));
-        *far = acosh(fmax(high, 1));
+        *far = INFINITY;
     }
 }
 
 static struct ap_line line_of(const struct ap_viewer *viewer, const struct ap_part *part,
                               const struct ap_seam *seam, const struct ap_iso *nose_from_part) {
     struct ap_space space = viewer->space;
-    struct ap_line line = {.radius_m = part->form == AP_FORM_PLANE ? 0 : part->radius_m};
+    struct ap_line line = {.radius_m = part->form == AP_FORM_PLANE ? 0 : part->radius_m,
+                           .length_m = seam->length_m,
+                           .bend_rad = seam->bend_rad};
     struct ap_vec3 p[2];
     double w[2], near, far, rho = space.rho_m;
     for (int i = 0; i < 2; i++) {
@@ -46,7 +48,7 @@ static struct ap_line line_of(const struct ap_viewer *viewer, const struct ap_pa
         line.toward[i] = ap_vec3_normalize(p[i]);
     }
     if (space.kappa != 0) {
-        reach_of(space, w, seam->chord_m / rho, &near, &far);
+        reach_of(space, w, seam->chord_cos, seam->chord_sin, &near, &far);
     } else {
         struct ap_vec3 u = ap_vec3_sub(p[1], p[0]);
         double square = ap_vec3_dot(u, u), t = square > 0 ? -ap_vec3_dot(p[0], u) / square : 0;
@@ -69,17 +71,14 @@ bool ap_seams_cut(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
         const struct ap_seam *seam = &shape->seam[k];
         const struct ap_line line = line_of(viewer, part, seam, nose_from_part);
         const struct ap_place place = {.far_m = line.far_m};
-        int n = 1, depth = 0, most = shape->seam_pieces[shape->levels - 1];
-        while (depth <= DEPTH_MAX && n <= most &&
-               !(ap_line_error_px(viewer, eyes, &line, image, seam->bend_rad / n,
-                                  seam->length_m / n) < max_error_px)) {
-            depth++;
-            n *= 2;
-        }
-        bool held = depth <= DEPTH_MAX && n <= most;
+        int most = 0, depth;
+        while (most < DEPTH_MAX && 2 << most <= shape->seam_pieces[shape->levels - 1])
+            most++;
+        depth = ap_line_depth(viewer, eyes, &line, image, max_error_px, most);
+        bool held = depth >= 0;
         cuts[k].depth = held ? (signed char)depth : AP_SEAM_BY_PIECE;
         cuts[k].any_depth = ap_is_stretched(viewer, &place, image);
-        *pieces = held && n > *pieces ? n : *pieces;
+        *pieces = held && 1 << depth > *pieces ? 1 << depth : *pieces;
         equal = equal && held;
     }
     return equal;
