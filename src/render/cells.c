@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "src/base/log.h"
+#include "src/render/mesh/budget.h"
 #include "src/view/cull.h"
 
 enum { UNKNOWN = -1, NONE_HOLDS = -2 };
@@ -45,7 +46,8 @@ enum ap_status ap_cell_view_create(struct ap_error *err, const struct ap_scene *
     for (size_t i = 0; i < scene->part_count; i++)
         if (in_cells(scene, &scene->parts[i]))
             view->parts[view->part_count++] = i;
-    return ap_cells_create(err, &h->tiling, &h->pairing, ap_scene_budget(scene) / 4, &view->cells);
+    return ap_cells_create(err, &h->tiling, &h->pairing, ap_budget_known_cells(scene),
+                           &view->cells);
 }
 
 void ap_cell_view_destroy(struct ap_cell_view *view) {
@@ -302,14 +304,10 @@ enum ap_status ap_cell_view_fill(struct ap_error *err, struct ap_cell_view *view
     set_horizon(&f);
     bring_hands_in(&f);
     f.windows = windows_are_clear(&f);
-    // The list and the buffers of two frames take some 700 bytes a part, growing included 1000. The
-    // cell she is in and those around it are always there.
-    size_t most = ap_scene_budget(scene) / 8 * 3 / (1000 * (view->part_count + 1)) +
-                  (size_t)scene->honeycomb->tiling.face_count + 1;
     const struct ap_portal_params params = {
         .viewer = viewer,
         .horizon_m = f.horizon_m,
-        .most_cells = most,
+        .most_cells = ap_budget_cells(scene, view->part_count),
         .window = f.windows ? scene->honeycomb->window : NULL,
         // A window's rim is drawn within the bound, here of the smaller picture.
         .slack_rad = 4 * what->max_error_px / fmin(what->eyes->pixels[0], what->eyes->pixels[1]),

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/render/mesh/budget.h"
 #include "src/render/refine/disc.h"
 
 static const double PI = 3.14159265358979323846;
@@ -14,6 +15,11 @@ struct ap_draw_key {
     uint64_t first;
     const struct ap_draw_item *item;
 };
+
+_Static_assert(sizeof(struct ap_draw_item) + sizeof(struct ap_draw_key) + sizeof(void *) +
+                       AP_FRAMES_AHEAD * sizeof(struct ap_gpu_draw) <=
+                   AP_PART_BYTES,
+               "the budget's size of a part (src/render/mesh/budget.h)");
 
 static enum ap_status make_room(struct ap_error *err, size_t room, struct ap_draw_list *list) {
     struct ap_draw_item *items = realloc(list->items, room * sizeof *items);
@@ -39,7 +45,11 @@ enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
 
 enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap_draw_list *list) {
     size_t room = list->count + more + 1;
-    return room <= list->room ? AP_OK : make_room(err, room + room / 2, list);
+    return room <= list->room ? AP_OK : make_room(err, ap_grown(room), list);
+}
+
+size_t ap_draw_list_item_bytes(void) {
+    return sizeof(struct ap_draw_item) + sizeof(struct ap_draw_key) + sizeof(void *);
 }
 
 void ap_draw_list_destroy(struct ap_draw_list *list) {
@@ -222,23 +232,12 @@ void ap_draw_list_sort(struct ap_draw_list *list) {
 }
 
 // What the bound costs: a mesh of more triangles made ahead gives way to one made for this frame,
-// which is fine only where it is looked at; and no frame gets more of those than…
-enum { AHEAD_MAX = 2000, REFINED_MAX = 1000000, REFINED_MOST = 8000000 };
+// which is fine only where it is looked at.
+enum { AHEAD_MAX = 2000 };
 
-static size_t refined_cap(const struct ap_scene *scene) {
-    return scene->honeycomb ? REFINED_MOST : REFINED_MAX;
-}
-
-// What the budget has room for, at some 128 bytes each for what the list and two frames hold, room
-// to grow included: a quarter, three where the cells that there are need next to nothing of it but
-// for the meshes made ahead.
 static size_t refined_max(const struct ap_list_params *params) {
-    const struct ap_scene *scene = params->scene;
-    bool finite = scene->honeycomb && scene->honeycomb->tiling.cell_count > 0;
-    size_t room = ap_scene_budget(scene) / 4 * (finite ? 3 : 1),
-           ahead = finite ? params->meshes->vertices.size + params->meshes->indices.size : 0;
-    size_t most = (room > ahead ? room - ahead : 0) / 128, cap = refined_cap(scene);
-    return most < cap ? most : cap;
+    const struct ap_meshes *meshes = params->meshes;
+    return ap_budget_triangles(params->scene, ap_meshes_bytes(meshes));
 }
 
 // Of that: small pieces have more vertices than triangles.
@@ -313,7 +312,7 @@ static enum ap_status refine(struct ap_error *err, const struct ap_list_params *
     list->stats.unseen_facets += unseen;
     item->beyond = st == AP_OK && !held;
     list->stats.beyond_bound += item->beyond;
-    bool full = refined_used(list) + 1 >= most && most < refined_cap(params->scene);
+    bool full = refined_used(list) + 1 >= most && most < ap_budget_triangles_cap(params->scene);
     list->stats.over_budget += item->beyond && full;
     return st;
 }
@@ -352,11 +351,12 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
         return refine(err, params, place, seams ? cuts : NULL, list, item);
     item->beyond = !held;
     list->stats.beyond_bound += !held;
-    list->stats.over_budget += !held && !fixed && full && most < refined_cap(params->scene);
+    list->stats.over_budget +=
+        !held && !fixed && full && most < ap_budget_triangles_cap(params->scene);
     if (!held || !cut || !snaps)
         return AP_OK;
     // Where the budget has no room for coarser seams they stay as fine as the level: they may gape.
-    list->stats.over_budget += full && most < refined_cap(params->scene);
+    list->stats.over_budget += full && most < ap_budget_triangles_cap(params->scene);
     if (full)
         return AP_OK;
     return ap_snapped_mesh(err, &list->snapped, params->meshes, index, level, cuts, &list->refined,
@@ -379,7 +379,7 @@ static enum ap_status add_disc(struct ap_error *err, const struct ap_list_params
                                   .radius_m = part->radius_m,
                                   .image = item->image};
     size_t most = refined_max(params);
-    bool bounded = most < refined_cap(params->scene), full = false;
+    bool bounded = most < ap_budget_triangles_cap(params->scene), full = false;
     struct ap_draw_item drawn = *item;
     drawn.eyes = 0;
     drawn.pipeline = AP_PIPELINE_DISC;

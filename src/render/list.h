@@ -51,6 +51,8 @@ struct ap_list_params {
 enum ap_status ap_draw_list_create(struct ap_error *err, size_t part_count,
                                    struct ap_draw_list *list);
 void ap_draw_list_destroy(struct ap_draw_list *list);
+// What each item that there is room for takes in the process.
+size_t ap_draw_list_item_bytes(void);
 
 // Places every part, drops what no eye can see before any vertex is touched, finds each one a mesh
 // that holds the bound. AP_ENVIRONMENT: no memory.

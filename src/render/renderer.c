@@ -5,14 +5,14 @@
 #include <string.h>
 
 #include "src/base/log.h"
+#include "src/render/mesh/budget.h"
 #include "src/render/cells.h"
 #include "src/render/mesh/decals.h"
 #include "src/render/list.h"
 #include "src/render/pass/resolve.h"
 #include "src/render/samples.h"
 
-// Frames that the CPU may be ahead of the GPU.
-enum { RING = 2 };
+enum { RING = AP_FRAMES_AHEAD };
 
 struct slot {
     VkFence fence;
@@ -179,6 +179,20 @@ bool ap_renderer_gpu_ms(const struct ap_renderer *r, double *ms) {
     return true;
 }
 
+// Of what is there from the start.
+static size_t scene_bytes(const struct ap_renderer *r) {
+    return ap_meshes_bytes(&r->meshes) + (r->cells.cells ? ap_cells_bytes(r->cells.cells) : 0);
+}
+
+// And of the lists and buffers of frames.
+static size_t held_bytes(const struct ap_renderer *r) {
+    size_t sum = scene_bytes(r) + r->list.room * ap_draw_list_item_bytes() +
+                 ap_mesh_data_bytes(&r->list.refined);
+    for (int i = 0; i < RING; i++)
+        sum += r->slot[i].draws.size + r->slot[i].vertices.size + r->slot[i].indices.size;
+    return sum;
+}
+
 static enum ap_status create_parts(struct ap_error *err, struct ap_renderer *r) {
     VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                     .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
@@ -204,6 +218,8 @@ static enum ap_status create_parts(struct ap_error *err, struct ap_renderer *r) 
         st = ap_draw_list_create(err, r->scene->part_count, &r->list);
     if (st == AP_OK && r->scene->honeycomb)
         st = ap_cell_view_create(err, r->scene, &r->meshes, &r->cells);
+    if (st == AP_OK)
+        st = ap_budget_check(err, r->scene, scene_bytes(r), r->cells.part_count);
     for (int i = 0; st == AP_OK && i < RING; i++)
         st = create_slot(err, r, &r->slot[i]);
     return st;
@@ -454,7 +470,7 @@ static enum ap_status make_room(struct ap_error *err, const struct ap_renderer *
     if (size <= buffer->size)
         return AP_OK;
     ap_gpu_buffer_destroy(r->gpu, buffer);
-    return ap_gpu_buffer_create(err, r->gpu, size + size / 2, usage, true, buffer);
+    return ap_gpu_buffer_create(err, r->gpu, ap_grown(size), usage, true, buffer);
 }
 
 // The frame's own meshes, to where the GPU reads them; the slot is not in use.
@@ -483,7 +499,7 @@ static enum ap_status hold_draws(struct ap_error *err, const struct ap_renderer 
     if (size <= slot->draws.size)
         return AP_OK;
     struct ap_gpu_buffer larger = {0};
-    enum ap_status st = ap_gpu_buffer_create(err, r->gpu, size + size / 2,
+    enum ap_status st = ap_gpu_buffer_create(err, r->gpu, ap_grown(size),
                                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true, &larger);
     if (st != AP_OK)
         return st;
@@ -522,19 +538,6 @@ static enum ap_status place(struct ap_error *err, struct ap_renderer *r,
     memcpy(slot->frame.mapped, &frame, sizeof frame);
     ap_draw_list_write(r->scene, input, &eyes, &r->list, slot->draws.mapped, slot->marks.mapped);
     return AP_OK;
-}
-
-// Buffers, lists and the cells that are known.
-static size_t held_bytes(const struct ap_renderer *r) {
-    const struct ap_mesh_data *data[2] = {&r->list.refined, &r->meshes.kept};
-    size_t sum = r->meshes.vertices.size + r->meshes.indices.size +
-                 r->list.room * (sizeof *r->list.items + 3 * sizeof(void *));
-    for (int i = 0; i < 2; i++)
-        sum += data[i]->vertex_space * sizeof *data[i]->vertices +
-               data[i]->index_space * sizeof *data[i]->indices;
-    for (int i = 0; i < RING; i++)
-        sum += r->slot[i].draws.size + r->slot[i].vertices.size + r->slot[i].indices.size;
-    return sum + (r->cells.cells ? ap_cells_bytes(r->cells.cells) : 0);
 }
 
 static void tell_budget(struct ap_renderer *r) {

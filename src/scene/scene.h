@@ -135,9 +135,9 @@ struct ap_scene {
     // What it may take of memory (ap_scene_budget), 0: the default. A quarter for triangles made
     // for a frame; half for models, as they are read and drawn, the rest for meshes made ahead. In
     // a world of cells a quarter for those that are known, three eighths for the list of what is
-    // drawn of them; where they are a finite number, which needs next to nothing, three quarters
-    // for the triangles. What a scene cannot do without, the coarsest meshes and a list of its
-    // parts, it has.
+    // drawn of them; where they are a finite number, what is left for the triangles, up to three
+    // quarters (src/render/mesh/budget.h). One that has no room for what a scene cannot do without,
+    // the coarsest meshes and a list of its parts, is refused.
     size_t budget_bytes;
 };
 

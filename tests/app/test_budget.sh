@@ -68,7 +68,6 @@ scene 'one model, h3' 2 1 --scene "$work/one.json"
 scene 'two models, e3' 4 2 --scene "$work/two.json"
 scene 'a model, a tenth of a MiB' 0.1 1 --scene "$work/one.json"
 scene 'sheet, stick and ball of s3' 0.1 1 --scene "$work/many.json"
-# The coarsest meshes and the list of parts are there whatever the budget: of billiards 0.6 to 2.2 MiB.
 scene 'billiards, s3' 4 1 --space s3 --max-error 0.05
 scene 'billiards, e3' 2 1 --space e3 --max-error 0.05
 scene 'billiards, h3' 1 1 --space h3 --max-error 0.05
@@ -76,6 +75,21 @@ scene '{5,3,4}' 1 1 --scene honeycomb:5,3,4
 scene 'struts' 0.6 1 --scene honeycomb:4,3,4,struts
 scene 'the torus' 1 1 --scene torus,struts
 scene 'the Poincaré space' 0.6 1 --scene poincare-dodecahedral
+scene '{5,3,3} struts' 1 1 --scene honeycomb:5,3,3,struts
+scene '{3,3,5}' 0.4 1 --scene honeycomb:3,3,5
+
+# What has no room for the coarsest meshes and a list of its parts says so, and how much it needs.
+refused() { # BUDGET options…
+	mib=$1
+	shift
+	expect 2 "the budget of $mib MiB is too small.*give a --budget of" "$antipode" replay "$@" \
+		--budget "$mib" --headset "$ci" --frames 0:1 --force --out "$work/bad" "$work/walk.csv"
+	[ "$(grep -c budget "$work/stderr")" = 1 ] || fail "not one line: $(cat "$work/stderr")"
+	[ -e "$work/bad/000000-left.png" ] && fail "a picture all the same"
+}
+refused 0.1 --scene honeycomb:5,3,4
+refused 0.4 --scene seifert-weber
+refused 0.2 --space h3
 
 expect 2 'budget: expected 0.1 to' "$antipode" replay --budget 0 --out "$work/bad" "$work/walk.csv"
 finish

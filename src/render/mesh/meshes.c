@@ -6,14 +6,13 @@
 
 #include "src/geom/map.h"
 #include "src/geom/table.h"
+#include "src/render/mesh/budget.h"
 
 static const double PI = 3.14159265358979323846;
 static const int BALL_STEPS[] = {1, 2, 3, 4, 5, 6, 8, 11, 16, 24, 40, 64};
 static const int STICK_AROUND[] = {5, 6, 8, 12, 16, 24, 32, 64};
 static const int POLYGON_DIVISION[] = {1, 2, 4, 8, 16, 32, 64};
 static const int POLYGON_TRIANGLES_MAX = 20480; // a level with more is left out
-// What is held for each at the most: in the process, on its way, on the GPU.
-enum { VERTEX_BYTES = 3 * sizeof(struct ap_vertex), INDEX_BYTES = 3 * sizeof(uint32_t) };
 
 // Whether two parts can share their meshes.
 static bool same_shape(const struct ap_part *a, const struct ap_part *b) {
@@ -249,14 +248,13 @@ static enum ap_status add_within_budget(struct ap_error *err, const struct ap_sc
                                         struct ap_mesh_data *data, struct ap_meshes *made,
                                         size_t *first_part) {
     enum { FEWEST = 16 };
-    size_t budget = ap_scene_budget(scene),
-           allowed = scene->honeycomb ? budget / 8 : budget / 4 * 3;
-    size_t most = allowed / (VERTEX_BYTES / 2 + 3 * INDEX_BYTES);
+    size_t allowed = ap_budget_meshes(scene),
+           most = 2 * (allowed / ap_budget_mesh_bytes(1, 2 * 3)); // two triangles a vertex
     for (;; most /= 2) {
         made->shape_count = data->vertex_count = data->index_count = 0;
         made->kept.vertex_count = made->kept.index_count = 0;
         enum ap_status st = add_parts(err, scene, most, data, made, first_part);
-        size_t bytes = data->vertex_count * VERTEX_BYTES + data->index_count * INDEX_BYTES +
+        size_t bytes = ap_budget_mesh_bytes(data->vertex_count, data->index_count) +
                        made->kept.vertex_count * sizeof *made->kept.vertices +
                        made->kept.index_count * sizeof *made->kept.indices;
         if (st != AP_OK || bytes <= allowed || most < FEWEST)
@@ -336,6 +334,10 @@ out:
     else
         ap_meshes_destroy(gpu, &made);
     return st;
+}
+
+size_t ap_meshes_bytes(const struct ap_meshes *meshes) {
+    return meshes->vertices.size + meshes->indices.size + ap_mesh_data_bytes(&meshes->kept);
 }
 
 void ap_meshes_destroy(const struct ap_gpu *gpu, struct ap_meshes *meshes) {

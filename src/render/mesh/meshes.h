@@ -53,6 +53,8 @@ enum ap_status ap_meshes_make(struct ap_error *err, const struct ap_scene *scene
 
 enum ap_status ap_meshes_create(struct ap_error *err, const struct ap_gpu *gpu,
                                 const struct ap_scene *scene, struct ap_meshes *meshes);
+// What they take, on the GPU and in the process.
+size_t ap_meshes_bytes(const struct ap_meshes *meshes);
 void ap_meshes_destroy(const struct ap_gpu *gpu, struct ap_meshes *meshes);
 
 #endif
