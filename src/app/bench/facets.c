@@ -221,12 +221,24 @@ static bool know_corners(struct look *l) {
     return l->corners_known = true;
 }
 
-// How far q lies outside what a triangle covers of the picture; INFINITY where it is not seen from
-// its front or not wholly before the eye.
-static double outside(const struct ap_facet_corner *const c[3], const double q[2]) {
+// Whether a triangle is seen from its front and covers a direction, however far it reaches behind
+// the eye.
+static bool covers(const struct ap_facet_corner *const c[3], struct ap_vec3 toward) {
+    for (int k = 0; k < 3; k++) {
+        struct ap_vec3 side = ap_vec3_cross(c[k]->at, c[(k + 1) % 3]->at);
+        if (!(ap_vec3_dot(side, toward) < 0) || !(ap_vec3_dot(side, c[(k + 2) % 3]->at) < 0))
+            return false;
+    }
+    return true;
+}
+
+// How far a point, at q of the picture, lies outside what a triangle covers of it; INFINITY where
+// that is not seen from its front or, reaching behind the eye, does not cover it.
+static double outside(const struct ap_facet_corner *const c[3], struct ap_vec3 toward,
+                      const double q[2]) {
     for (int k = 0; k < 3; k++)
         if (!(c[k]->at.z < 0))
-            return INFINITY;
+            return covers(c, toward) ? 0 : INFINITY;
     return ap_exact_outside(q, c[0]->px, c[1]->px, c[2]->px);
 }
 
@@ -243,9 +255,10 @@ static bool faces(const struct look *l, int e, struct ap_vec4 truth) {
 static double uncovered(struct look *l, int e, const struct ap_facet_corner *const corner[3],
                         struct ap_vec4 at) {
     double q[2], bound = LOOK_CLOSER * l->params->max_error_px;
-    if (!pixel(l, e, seen(l, e, at), q) || !faces(l, e, at))
+    struct ap_vec3 toward = seen(l, e, at);
+    if (!pixel(l, e, toward, q) || !faces(l, e, at))
         return -1;
-    double least = outside(corner, q);
+    double least = outside(corner, toward, q);
     if (least == INFINITY || least <= bound || !know_corners(l))
         return least == INFINITY ? -1 : least;
     const struct ap_mesh *mesh = &l->item->mesh;
@@ -253,7 +266,7 @@ static double uncovered(struct look *l, int e, const struct ap_facet_corner *con
         const struct ap_facet_corner *c[3];
         for (int k = 0; k < 3; k++)
             c[k] = &l->facets->corner[e][l->data->indices[mesh->first_index + i + k]];
-        least = fmin(least, outside(c, q));
+        least = fmin(least, outside(c, toward, q));
     }
     return least;
 }

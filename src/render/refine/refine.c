@@ -21,6 +21,8 @@ static const uint32_t NOT_CUT = UINT32_MAX;
 enum {
     AROUND = 8,
     DEEPEST = 90,
+    PATIENCE = 30, // so deep edges are cut without need
+    PASSES = 20,
     NODE_BITS = 24,
     PART_MAX = 65535,
     FEW_EDGES = 256,
@@ -57,9 +59,11 @@ struct work {
     struct ap_mesh_data *data;
     struct triangle *stack;
     size_t stack_count, stack_space, triangles;
-    bool faces;   // nodes know which way the surface is turned
-    double taper; // of a stick: its normals are those of a straight one
-    bool cut_all; // edges are cut unasked
+    size_t first_index; // of data
+    size_t forced;      // edges that were kept, and cut after all
+    bool faces;         // nodes know which way the surface is turned
+    double taper;       // of a stick: its normals are those of a straight one
+    bool cut_all;       // edges are cut unasked
     bool held;
     uint32_t unseen; // triangles that are left out
     enum ap_status st;
@@ -271,13 +275,17 @@ static bool cut_seam(struct work *w, uint32_t i, uint32_t j, int k,
     return false;
 }
 
+static uint64_t key_of(const struct ap_refiner *r, uint32_t low, uint32_t high) {
+    return (((uint64_t)r->part << NODE_BITS | high) << NODE_BITS) | low;
+}
+
 // The node in the middle of an edge that is cut, else NOT_CUT. Every edge is judged once.
 static uint32_t middle_of(struct work *w, uint32_t i, uint32_t j) {
     struct ap_refiner *r = w->r;
     uint32_t low = i < j ? i : j, high = i < j ? j : i;
     if (3 * r->edge_count >= 2 * r->edge_space && !rehash(w))
         return NOT_CUT;
-    uint64_t key = (((uint64_t)r->part << NODE_BITS | high) << NODE_BITS) | low;
+    uint64_t key = key_of(r, low, high);
     size_t slot = slot_of(r, key);
     if (in_use(r, slot))
         return r->edges[slot].middle;
@@ -300,6 +308,31 @@ static uint32_t middle_of(struct work *w, uint32_t i, uint32_t j) {
 }
 
 // --- triangles
+
+static int longest_side(const struct work *w, const struct triangle *t) {
+    double most = -1;
+    int longest = 0;
+    for (int i = 0; i < 3; i++) {
+        double side = chord(w->surface.space, w->r->nodes[t->corner[i]].point.p,
+                            w->r->nodes[t->corner[(i + 1) % 3]].point.p);
+        longest = side > most ? i : longest;
+        most = fmax(side, most);
+    }
+    return longest;
+}
+
+// Cuts an edge that was kept, but for a seam's, which the part beyond keeps, too.
+static uint32_t cut_after_all(struct work *w, uint32_t i, uint32_t j) {
+    struct ap_refiner *r = w->r;
+    uint32_t low = i < j ? i : j, high = i < j ? j : i;
+    const struct ap_refine_node *a = &r->nodes[low], *b = &r->nodes[high];
+    size_t slot = slot_of(r, key_of(r, low, high));
+    if (a->seams & b->seams || !in_use(r, slot))
+        return NOT_CUT;
+    struct ap_surface_point m = ap_surface_middle(&w->surface, &a->point, &b->point);
+    w->forced++;
+    return r->edges[slot].middle = add_node(w, m);
+}
 
 static bool out_of_sight(const struct work *w, const struct triangle *t) {
     const struct ap_surface_point *p[3];
@@ -383,25 +416,51 @@ static void split(struct work *w, const struct triangle *t, const uint32_t m[3])
     }
 }
 
-static void refine_all(struct work *w) {
-    while (w->st == AP_OK && w->stack_count > 0) {
-        struct triangle t = w->stack[--w->stack_count];
-        uint32_t m[3] = {NOT_CUT, NOT_CUT, NOT_CUT};
-        // Whatever is waiting becomes a triangle too.
-        if (w->triangles + w->stack_count >= w->params->triangles_max || t.depth > DEEPEST)
-            w->held = false;
-        else if (!out_of_sight(w, &t) && !turned_away(w, &t))
-            for (int i = 0; i < 3; i++)
-                m[i] = middle_of(w, t.corner[i], t.corner[(i + 1) % 3]);
-        else if (!w->params->keep_unseen) {
-            w->unseen++;
-            continue;
-        }
-        if (m[0] == NOT_CUT && m[1] == NOT_CUT && m[2] == NOT_CUT)
-            emit(w, &t);
-        else
-            split(w, &t, m);
+static void refine_one(struct work *w, const struct triangle *t) {
+    uint32_t m[3] = {NOT_CUT, NOT_CUT, NOT_CUT};
+    // Whatever is waiting becomes a triangle too.
+    if (w->triangles + w->stack_count >= w->params->triangles_max || t->depth > DEEPEST)
+        w->held = false;
+    else if (!out_of_sight(w, t) && !turned_away(w, t))
+        for (int i = 0; i < 3; i++)
+            m[i] = middle_of(w, t->corner[i], t->corner[(i + 1) % 3]);
+    else if (!w->params->keep_unseen) {
+        w->unseen++;
+        return;
     }
+    if (m[0] == NOT_CUT && m[1] == NOT_CUT && m[2] == NOT_CUT) {
+        emit(w, t);
+        return;
+    }
+    // What is cut off again and again is a corner that has come to lie on the edge opposite: one
+    // that was kept beside shorter ones that are not, however little they differ.
+    int k = t->depth > PATIENCE ? longest_side(w, t) : 0;
+    if (t->depth > PATIENCE && m[k] == NOT_CUT && w->st == AP_OK)
+        m[k] = cut_after_all(w, t->corner[k], t->corner[(k + 1) % 3]);
+    if (w->st == AP_OK)
+        split(w, t, m);
+}
+
+// Triangles that were made beside an edge that is cut by now have a corner too few.
+static void take_back(struct work *w) {
+    const struct ap_mesh_data *data = w->data;
+    for (size_t i = w->first_index; i + 2 < data->index_count; i += 3)
+        push(w, 0, data->indices[i], data->indices[i + 1], data->indices[i + 2]);
+    w->data->index_count = w->first_index;
+    w->triangles = 0;
+    w->forced = 0;
+}
+
+static void refine_all(struct work *w) {
+    for (int pass = 0; w->st == AP_OK && w->stack_count > 0; pass++) {
+        while (w->st == AP_OK && w->stack_count > 0) {
+            struct triangle t = w->stack[--w->stack_count];
+            refine_one(w, &t);
+        }
+        if (w->forced > 0 && pass < PASSES)
+            take_back(w);
+    }
+    w->held &= w->forced == 0;
 }
 
 // --- what is refined
@@ -623,6 +682,7 @@ enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *r,
     struct work w = {.err = err, .r = r, .params = params, .data = data, .held = true, .st = AP_OK};
     begin(&w, part);
     struct ap_mesh made = ap_mesh_data_begin(data);
+    w.first_index = data->index_count;
     if (part->kind == AP_PART_BALL)
         begin_ball(&w);
     else if (part->kind == AP_PART_STICK)
