@@ -377,7 +377,8 @@ static enum ap_status add_disc(struct ap_error *err, const struct ap_list_params
                                   .height_px = params->height_px,
                                   .world_centre = ap_iso_apply(&viewer->world_from_nose, centre),
                                   .radius_m = part->radius_m,
-                                  .image = item->image};
+                                  .image = item->image,
+                                  .max_error_px = params->max_error_px};
     size_t most = refined_max(params);
     bool bounded = most < ap_budget_triangles_cap(params->scene), full = false;
     struct ap_draw_item drawn = *item;

@@ -148,6 +148,58 @@ static int behind(struct stage *stage, double rho_m) {
     return bad;
 }
 
+// A polygon that cuts an unlit ball in two, seen along its normal: the ball stands out of it within
+// a circle of known radius.
+static int cut_ball(struct stage *stage, int kappa, enum ap_view_mode mode) {
+    static const double BALL_M = 0.3, FAR_M = 1, PLANE_M = 0.8, ALLOWED_PX = 0.3;
+    struct ap_space space = {kappa, 1};
+    struct ap_quat upright = ap_quat_from_axis_angle((struct ap_vec3){1, 0, 0}, PI / 2);
+    struct ap_part parts[2] = {
+        {.kind = AP_PART_BALL,
+         .radius_m = BALL_M,
+         .color_srgb = {1, 0, 0},
+         .carrier_from_part = ap_iso_translate(space, (struct ap_vec3){0, 0, -FAR_M})},
+        {.kind = AP_PART_POLYGON,
+         .sides = 4,
+         .edge_m = 0.7,
+         .color_srgb = {0, 1, 0},
+         .carrier_from_part = ap_iso_mul(ap_iso_translate(space, (struct ap_vec3){0, 0, -PLANE_M}),
+                                         ap_iso_rotate(upright))}};
+    // Right-angled triangles: C(ball) = C(far − plane)·C(h), tan(angle) = T(h)/S(plane).
+    double gap = FAR_M - PLANE_M, h;
+    if (kappa)
+        h = kappa > 0 ? acos(cos(BALL_M) / cos(gap)) : acosh(cosh(BALL_M) / cosh(gap));
+    else
+        h = sqrt(BALL_M * BALL_M - gap * gap);
+    double tangent = (kappa > 0 ? tan(h) : kappa < 0 ? tanh(h) : h) / ap_space_sin(space, PLANE_M);
+    struct ap_scene scene = stage_scene(space, parts, 2);
+    struct ap_renderer_params how = {0};
+    struct ap_renderer *renderer = stage_renderer(stage, &scene, &how);
+    struct ap_frame_input input = stage_input(space, mode, 0.7, 0);
+    stage_draw(stage, renderer, &input);
+    const struct ap_frustum *f = &input.viewer.eye[0].frustum;
+    const uint8_t *px = stage_eye(stage, 0);
+    double px_per_tangent = SIDE / (f->right - f->left), worst_px = 0;
+    long seen = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        double a = f->left + (i % SIDE + 0.5) / px_per_tangent,
+               b = f->up - (i / SIDE + 0.5) / px_per_tangent, off_px = hypot(a, b) - tangent;
+        off_px *= px_per_tangent;
+        bool ball = px[4 * i] == 255 && px[4 * i + 1] == 0,
+             sheet = px[4 * i] == 0 && px[4 * i + 1] == 255;
+        seen += ball;
+        if ((ball && off_px > 0) || (sheet && off_px < 0))
+            worst_px = fmax(worst_px, fabs(off_px));
+    }
+    double area = PI * tangent * tangent * px_per_tangent * px_per_tangent;
+    bool bad = worst_px > ALLOWED_PX || fabs((double)seen - area) > 0.03 * area;
+    printf("a ball cut by a plane, %s, %s: off by %.3f px (allowed %.3f), %ld of %.0f pixels%s\n",
+           ap_space_name(space), mode == AP_VIEW_NATIVE ? "native" : "tourist", worst_px,
+           ALLOWED_PX, seen, area, bad ? "  FAILED" : "");
+    ap_renderer_destroy(renderer);
+    return bad;
+}
+
 int main(void) {
     struct stage stage;
     if (!stage_open(&stage, SIDE, SIDE, true))
@@ -158,6 +210,9 @@ int main(void) {
     for (double rho_m = 1; rho_m < 2e9; rho_m *= 1000)
         failures += behind(&stage, rho_m);
     failures += behind(&stage, 10);
+    for (int kappa = -1; kappa <= 1; kappa++)
+        failures +=
+            cut_ball(&stage, kappa, AP_VIEW_NATIVE) + cut_ball(&stage, kappa, AP_VIEW_TOURIST);
     failures += stage.validation_errors;
     stage_close(&stage);
     return failures;

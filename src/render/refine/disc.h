@@ -15,6 +15,7 @@ struct ap_disc_params {
     struct ap_vec4 world_centre;
     double radius_m;
     int image;
+    double max_error_px; // of the facets that bear its depth, should something cut through it
     size_t triangles_max; // more: AP_DISC_NO_ROOM
 };
 
