@@ -39,7 +39,7 @@ const int NATIVE = 0, TOURIST = 1, BORN = 2;
 const float MESH = 0.0, BALL = 1.0, SHEET = 2.0;
 
 // Draw.finish.z: the geodesic surface that a part's facets stand for (enum ap_form).
-const int FACETS = 0, PLANE = 1, TUBE = 2, SPHERE = 3;
+const int FACETS = 0, PLANE = 1, TUBE = 2, SPHERE = 3, STICK = 4;
 
 // Draw.finish.x, on parts that are looked at fragment by fragment
 const int PLAIN = 0, MATTE = 1, CLOTH = 2, WOOD = 3, POOL = 4, STRIPED = 5;
@@ -52,7 +52,7 @@ struct Draw {
     vec4 shape;  // of a ball S and C of its radius; kind; image + 2·way (native-of: 1,
                  // seen the long way round her own s3)
     vec4 finish; // what it is made of; layer of its text, or −1; its form; 1: takes marks
-    vec4 root;   // 1.055·color^(1/2.4)
+    vec4 root;   // 1.055·color^(1/2.4); half of a stick's length over rho
 };
 
 layout(std430, set = 0, binding = 1) readonly buffer Draws {

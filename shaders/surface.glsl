@@ -17,9 +17,12 @@ vec2 on_line(vec3 m, float b, float s, float c, vec3 u, vec2 at) {
     return nearer((middle + aside) / square, (middle - aside) / square, at);
 }
 
-// The same where a·S² + 2·b·S·C + c·C² = 0.
-vec2 on_conic(float a, float b, float c, vec2 at) {
-    float root = sqrt(max(b * b - a * c, 0.0));
+// The same where |S·m + C·n| = s, for a tube: m and n are what lies across its axis. The root without
+// products that cancel, which at its limb would leave no digits.
+vec2 on_tube(vec2 m, vec2 n, float s, vec2 at) {
+    float mm = dot(m, m), nn = dot(n, n), a = mm - s * s, b = dot(m, n), c = nn - s * s;
+    float turn = m.x * n.y - m.y * n.x;
+    float root = sqrt(max(s * s * (mm + nn - s * s) - turn * turn, 0.0));
     vec2 p = abs(a) > abs(c) ? vec2(-b + root, a) : vec2(c, -b + root);
     vec2 q = abs(a) > abs(c) ? vec2(-b - root, a) : vec2(c, -b - root);
     p = normalize(p);
@@ -36,12 +39,22 @@ vec4 on_surface(Draw d, vec4 flat_at) {
     // The way to image 1 is longer than half a turn, so its S is negative.
     vec2 at = vec2(dot(flat_at.xyz, u), flat_at.w), on;
     mat4 m = d.to[0]; // its columns are the part's axes and its place
+    vec4 centre = m[3];
+    if (form == STICK) {
+        // Its round caps begin beside the ends of its axis.
+        float c = cos(d.root.w), s = sin(d.root.w), past = abs(dot(m[2], flat_at)) * c;
+        if (past > dot(m[3], flat_at) * s) {
+            form = SPHERE;
+            centre = c * m[3] + (dot(m[2], flat_at) < 0.0 ? -s : s) * m[2];
+        }
+    }
     if (form == SPHERE) {
-        on = on_line(m[3].xyz, m[3].w, d.shape.x, d.shape.y, u, at);
-    } else if (form == TUBE) {
-        vec2 a = vec2(dot(m[1].xyz, u), dot(m[2].xyz, u)), b = vec2(m[1].w, m[2].w);
-        float s = d.shape.x * d.shape.x;
-        on = on_conic(dot(a, a) - s, dot(a, b), dot(b, b) - s, at);
+        on = on_line(centre.xyz, centre.w, d.shape.x, d.shape.y, u, at);
+    } else if (form == TUBE || form == STICK) {
+        int first = form == TUBE ? 1 : 0;
+        vec4 across = m[first], up = m[first + 1];
+        vec2 a = vec2(dot(across.xyz, u), dot(up.xyz, u)), b = vec2(across.w, up.w);
+        on = on_tube(a, b, d.shape.x, at);
     } else {
         on = on_line(m[1].xyz, m[1].w, 1.0, 0.0, u, at);
     }

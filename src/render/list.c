@@ -587,7 +587,7 @@ static void write_item(const struct ap_scene *scene, const struct ap_frame_input
         draw->root[i] = 1.055f * powf(fmaxf(draw->color[i], 0), 1 / 2.4f);
     }
     draw->color[3] = part->lit ? 1 : 0;
-    draw->root[3] = 0;
+    draw->root[3] = part->kind == AP_PART_STICK ? (float)(part->length_m / 2 / space.rho_m) : 0;
     double t = part->radius_m / space.rho_m;
     draw->shape[0] = (float)ap_space_sin(space, t);
     draw->shape[1] = (float)ap_space_cos(space, t);

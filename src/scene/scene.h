@@ -39,6 +39,7 @@ enum ap_form {
     AP_FORM_PLANE,  // the part's plane y = 0
     AP_FORM_TUBE,   // what is radius_m from the geodesic along x
     AP_FORM_SPHERE, // what is radius_m from the part's place
+    AP_FORM_STICK,  // what is radius_m from the length_m of the geodesic along z about that place
 };
 
 // What carries a part: its place is carrier_from_part, relative to the world or to a tracked device

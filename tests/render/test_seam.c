@@ -200,6 +200,96 @@ static int cut_ball(struct stage *stage, int kappa, enum ap_view_mode mode) {
     return bad;
 }
 
+// How far a point of part coordinates, over rho, is from a stick's surface (s3).
+static double from_stick(const struct ap_part *stick, struct ap_vec4 q) {
+    double half = stick->length_m / 2, t = fmin(fmax(atan2(q.z, q.w), -half), half);
+    double x = q.x, y = q.y, z = q.z - sin(t), w = q.w - cos(t);
+    return 2 * asin(fmin(sqrt(x * x + y * y + z * z + w * w) / 2, 1)) - stick->radius_m;
+}
+
+// Where a line of sight first meets it, rho; INFINITY: it does not.
+static double meets_stick(const struct ap_part *stick, const struct ap_iso *part_from_nose,
+                          struct ap_vec3 u) {
+    for (double t = 0, gap; t < PI; t += fmax(gap, 1e-4)) {
+        gap = from_stick(stick,
+                         ap_iso_apply(part_from_nose, (struct ap_vec4){sin(t) * u.x, sin(t) * u.y,
+                                                                       sin(t) * u.z, cos(t)}));
+        if (gap < 1e-6)
+            return t;
+    }
+    return INFINITY;
+}
+
+// Which of the two is seen, 0 or 1; −1: not both are there, or they are all but equally far.
+static int stick_or_sheet(const struct ap_viewer *v, const struct ap_part parts[2],
+                          const struct ap_iso part_from_nose[2], int x, int y) {
+    static const double LEAST = 2e-3; // of what is left to the antipode
+    const struct ap_frustum *f = &v->eye[0].frustum;
+    struct ap_vec3 at,
+        u = ap_vec3_normalize((struct ap_vec3){f->left + (x + 0.5) / SIDE * (f->right - f->left),
+                                               f->up - (y + 0.5) / SIDE * (f->up - f->down), -1});
+    double stick = meets_stick(&parts[0], &part_from_nose[0], u);
+    if (!isfinite(stick) || !ap_exact_on_plane(v->space, &part_from_nose[1], u, PI, &at))
+        return -1;
+    double sheet = ap_vec3_length(at);
+    if (ap_iso_apply(&part_from_nose[1], ap_exp(v->space, at)).w < 0.85) // well within the polygon
+        return -1;
+    if (sheet > PI || fabs(sheet - stick) < LEAST * (PI - stick))
+        return -1;
+    return sheet < stick;
+}
+
+// A stick that ends near the antipode, and a polygon that cuts it there.
+static int stick_end(struct stage *stage, double off) {
+    struct ap_space space = {1, 1};
+    struct ap_iso place =
+        ap_iso_mul(ap_iso_translate(space, (struct ap_vec3){0, 0, -(PI - off)}),
+                   ap_iso_rotate(ap_quat_from_axis_angle((struct ap_vec3){1, 0, 0}, 0.4)));
+    struct ap_part parts[2] = {
+        {.kind = AP_PART_STICK,
+         .radius_m = off / 3,
+         .radius2_m = off / 3,
+         .length_m = 0.4,
+         .color_srgb = {1, 0, 0},
+         .carrier_from_part =
+             ap_iso_mul(place, ap_iso_translate(space, (struct ap_vec3){0, 0, 0.2}))},
+        {.kind = AP_PART_POLYGON,
+         .sides = 4,
+         .edge_m = 1.2,
+         .color_srgb = {0, 1, 0},
+         .carrier_from_part = ap_iso_mul(
+             place, ap_iso_rotate(ap_quat_from_axis_angle((struct ap_vec3){0, 0, 1}, 0.3)))}};
+    struct ap_iso part_from_nose[2];
+    for (int k = 0; k < 2; k++)
+        part_from_nose[k] = ap_iso_inverse(space, parts[k].carrier_from_part);
+    struct ap_scene scene = stage_scene(space, parts, 2);
+    struct ap_renderer_params how = {0};
+    struct ap_renderer *renderer = stage_renderer(stage, &scene, &how);
+    struct ap_frame_input input = stage_input(space, AP_VIEW_NATIVE, 0.7, 0);
+    stage_draw(stage, renderer, &input);
+    const uint8_t *px = stage_eye(stage, 0);
+    long seen[2] = {0, 0}, wrong = 0;
+    for (int y = 4; y < SIDE; y += 8)
+        for (int x = 4; x < SIDE; x += 8) {
+            int e = stick_or_sheet(&input.viewer, parts, part_from_nose, x, y);
+            for (int k = 0; e >= 0 && k < 4; k++)
+                if (stick_or_sheet(&input.viewer, parts, part_from_nose, x + (k & 1 ? 1 : -1),
+                                   y + (k & 2 ? 1 : -1)) != e)
+                    e = -1;
+            if (e < 0)
+                continue;
+            const uint8_t *p = px + 4 * (y * SIDE + x);
+            seen[e]++;
+            wrong += p[e] != 255 || p[1 - e] != 0;
+        }
+    bool bad = wrong > 0 || seen[0] < 100 || seen[1] < 50;
+    printf("a stick's end %.2f rho from the antipode: %ld of %ld and %ld pixels wrong (none "
+           "allowed)%s\n",
+           off, wrong, seen[0], seen[1], bad ? "  FAILED" : "");
+    ap_renderer_destroy(renderer);
+    return bad;
+}
+
 int main(void) {
     struct stage stage;
     if (!stage_open(&stage, SIDE, SIDE, true))
@@ -207,6 +297,8 @@ int main(void) {
     int failures = 0;
     for (int k = 0; k < 4; k++)
         failures += look(&stage, 0.03 * (1 << k), 0.3 * k);
+    for (int k = 0; k < 3; k++)
+        failures += stick_end(&stage, 0.02 * (1 << k));
     for (double rho_m = 1; rho_m < 2e9; rho_m *= 1000)
         failures += behind(&stage, rho_m);
     failures += behind(&stage, 10);

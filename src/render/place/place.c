@@ -116,9 +116,11 @@ bool ap_needs_guard(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
 }
 
 enum ap_form ap_part_form(const struct ap_part *part) {
-    return part->kind == AP_PART_POLYGON ? AP_FORM_PLANE
-           : part->kind == AP_PART_SOLID ? part->form
-                                         : AP_FORM_FACETS;
+    return part->kind == AP_PART_POLYGON       ? AP_FORM_PLANE
+           : part->kind == AP_PART_SOLID       ? part->form
+           : part->kind == AP_PART_BALL        ? AP_FORM_SPHERE
+           : part->radius_m == part->radius2_m ? AP_FORM_STICK
+                                               : AP_FORM_FACETS;
 }
 
 bool ap_is_stretched(const struct ap_viewer *viewer, const struct ap_place *place, int image) {
