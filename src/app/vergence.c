@@ -14,11 +14,8 @@
 static const double ARCMIN = 180 * 60 / M_PI;
 
 // A measured disc is believed where it is the exact one but for its place: neither larger nor
-// smaller, no part of its rim elsewhere than the rest, hardly anything in it that neither it nor
-// what is round it explains, and its place told well enough. Else something hides part of it. Of
-// 1,840 discs before the worst places of pictures of the billiards rooms this leaves out 1 %; of
-// 920 that a straight edge cuts by 0.02 to 1 px it leaves in 214, none of them off by 0.02 px to
-// the side.
+// smaller, no part of its rim elsewhere than the rest, hardly anything of it that something may
+// hide, and its place told well enough. docs/vergence.md says what this lets through and what not.
 static const double GROW_PX = 0.1, SIGMA_PX = 0.008, SIDE_PX = 0.06, STRANGE_EDGE = 0.1;
 static const double LEAST_AREA_PX = 12;
 

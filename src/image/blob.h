@@ -16,7 +16,7 @@ struct ap_blob {
     double grow_px;          // how much larger: what all of its rim lies farther out
     double sigma_px;         // standard error of the shift by what stands behind and the bytes
     double side_px;          // how far a part of the rim lies off that place, beyond its own error
-    double strange_px;       // pixels' worth of what the disc and what is round it do not explain
+    double strange_px;       // pixels' worth of the disc that something may hide
     bool touches_edge;       // of the picture or of what was searched
 };
 // The rim's pixels are unmixed in linear light; what stands behind them is foretold from the pixels

@@ -360,7 +360,7 @@ static double strange(const struct fit *f) {
     for (size_t k = 0; k < f->count; k++) {
         struct residual e = residual_of(f, &f->rim[k]);
         if (e.weight > 0 && fabs(e.off) * sqrt(e.weight) > 4)
-            sum += fabs(e.off);
+            sum += fmin(fabs(e.off), e.c.share); // no more of the disc can be hidden there
     }
     return sum;
 }
