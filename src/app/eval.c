@@ -190,11 +190,26 @@ static struct answer of_iso(struct ap_iso m) {
     return a;
 }
 
-static enum ap_status run_exp(struct ap_error *err, const struct request *r, struct answer *a) {
-    (void)err;
-    struct ap_vec4 p = ap_exp(r->space, vec3_at(r->numbers));
-    *a = (struct answer){{p.x, p.y, p.z, p.w}, 4};
+// Round s3 more often than this, the rounding of an arc's length is an angle.
+static const double MOST_RAD = 0x1p50;
+
+static enum ap_status check_arcs(struct ap_error *err, const struct request *r) {
+    for (size_t i = 0; r->space.kappa > 0 && i + 3 <= r->count; i += 3) {
+        double t = ap_vec3_length(vec3_at(r->numbers + i)) / r->space.rho_m;
+        if (!(t < MOST_RAD))
+            return ap_fail(err, AP_INPUT,
+                           "more than %.0e radii long: no digit of where it ends in s3 is left",
+                           MOST_RAD);
+    }
     return AP_OK;
+}
+
+static enum ap_status run_exp(struct ap_error *err, const struct request *r, struct answer *a) {
+    enum ap_status st = check_arcs(err, r);
+    struct ap_vec4 p = ap_exp(r->space, vec3_at(r->numbers));
+    if (!st)
+        *a = (struct answer){{p.x, p.y, p.z, p.w}, 4};
+    return st;
 }
 
 static enum ap_status run_log(struct ap_error *err, const struct request *r, struct answer *a) {
@@ -215,12 +230,16 @@ static enum ap_status run_dist(struct ap_error *err, const struct request *r, st
 
 static enum ap_status run_translate(struct ap_error *err, const struct request *r,
                                     struct answer *a) {
-    (void)err;
-    *a = of_iso(ap_iso_translate(r->space, vec3_at(r->numbers)));
-    return AP_OK;
+    enum ap_status st = check_arcs(err, r);
+    if (!st)
+        *a = of_iso(ap_iso_translate(r->space, vec3_at(r->numbers)));
+    return st;
 }
 
 static enum ap_status run_walk(struct ap_error *err, const struct request *r, struct answer *a) {
+    enum ap_status st = check_arcs(err, r);
+    if (st)
+        return st;
     size_t count = r->count / 3;
     struct ap_vec3 *steps = malloc(count ? count * sizeof *steps : 1);
     if (!steps)

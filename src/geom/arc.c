@@ -70,6 +70,10 @@ struct ap_arc ap_arc_of(struct ap_space space, struct ap_vec3 v_m) {
 struct ap_turn ap_turn_of(struct ap_space space, struct ap_dd t) {
     double c = ap_space_cos(space, t.hi), s = ap_space_sin(space, t.hi);
     struct ap_turn turn = {c - space.kappa * s * t.lo, s + c * t.lo, 0};
+    if (space.kappa > 0 && fabs(t.lo) > 0x1p-30) { // many turns: its square shows
+        double c_lo = cos(t.lo), s_lo = sin(t.lo);
+        turn = (struct ap_turn){c * c_lo - s * s_lo, s * c_lo + c * s_lo, 0};
+    }
     if (space.kappa && t.hi > 0) {
         // S²/(1 + C) does not cancel near the base point; beyond a quarter turn C − 1 does not.
         double square = turn.s * (turn.s / (1 + turn.c));

@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -128,6 +129,9 @@ static void test_bad_requests(void **state) {
         "h3",
         "h3 1",
         "h3 1 fly 1 2 3",
+        "s3 1 exp 1e30 1e30 1e30",
+        "s3 1 translate 0 1e16 0",
+        "s3 1e-300 walk 1 0 0 1e150 0 0",
         "g3 1 exp 1 2 3",
         "s2xe 1 exp 1 2 3",
         "H3 1 exp 1 2 3",
@@ -192,6 +196,24 @@ static void test_just_inside(void **state) {
                             "s3 1 log 0 0 1e-300 -1\nh3 1 exp 700 0 0\n";
     assert_int_equal(eval_bytes(requests, strlen(requests), &text), 0);
     assert_int_equal(lines_in(text), 3);
+    free(text);
+}
+
+// Round s3 many times: the error of the length's last bit is an angle, to its square. The numbers
+// are of 60 digits.
+static void test_many_turns(void **state) {
+    (void)state;
+    static const double EXACT[4] = {0.36510285394995707, 0.36510285394995707, 0.36510285394995707,
+                                    0.77466103433230004};
+    const char request[] = "s3 1 exp 1e10 1e10 1e10\n";
+    char *text, *at;
+    assert_int_equal(eval_bytes(request, strlen(request), &text), 0);
+    at = text;
+    for (int i = 0; i < 4; i++) {
+        double got = strtod(at, &at);
+        if (!(fabs(got - EXACT[i]) < 1e-15))
+            fail_msg("number %d: %.17g, expected %.17g to 1e-15", i, got, EXACT[i]);
+    }
     free(text);
 }
 
@@ -307,6 +329,7 @@ int main(void) {
         cmocka_unit_test(test_seventeen_digits),
         cmocka_unit_test(test_bad_requests),
         cmocka_unit_test(test_just_inside),
+        cmocka_unit_test(test_many_turns),
         cmocka_unit_test(test_zero_bytes),
         cmocka_unit_test(test_long_lines),
         cmocka_unit_test(test_answers_cannot_be_written),
