@@ -236,12 +236,13 @@ static const char SCRIPT[] =
     "set logscale xy\nset format x '%.0e'\nset xtics 10000\nset xrange [1e-17:10]\n"
     "set yrange [0.3:300]\nset xlabel 'worst relative error (left is better; 1: no digit is right)'\n"
     "set ylabel 'ns a point (down is better)'\nset key off\n"
+    "set label 1 'both plots:' at screen 0.5, screen 0.17 center\n"
     "do for [s=0:1] {\n"
     " set title (s==0 ? 's3, from 1e-8 to pi - 1e-5 rho' : 'h3, from 1e-8 to 80 rho')\n"
     " set key at screen (s==0 ? 0.25 : 0.75), screen 0.01 center bottom vertical maxrows 6 samplen 1\n"
     " plot for [k=1:words(names)] $data skip 1 every ::(words(names)*s+k-1)::(words(names)*s+k-1) "
     "using 9:7:6:8 with yerrorbars pt int(word(forms,k)) ps 1.3 lw 1.5 lc rgb word(colours,k) title "
-    "((k<=6)==(s==0) ? word(names,k) : '')\n}\nunset multiplot\n";
+    "((k<=6)==(s==0) ? word(names,k) : '')\n unset label 1\n}\nunset multiplot\n";
 
 static void write_script(const struct points *p, char *script, size_t size) {
     FILE *f = fmemopen(script, size, "w");
@@ -252,7 +253,7 @@ static void write_script(const struct points *p, char *script, size_t size) {
         for (int i = 0; i < FORMULA_COUNT; i++) {
             const struct formula *x = &FORMULAS[i];
             bool is_double = x->precision[0] == 'd';
-            int form = x->group == SCALAR ? 7 : x->group == SIMD ? 9 : 5;
+            int form = x->group == SCALAR ? 7 : x->kind == POLY_4 ? 11 : x->group == SIMD ? 9 : 5;
             const char *colour = strstr(x->name, "cos")       ? "#d62728"
                                  : strstr(x->name, "carried") ? "#1f77b4"
                                  : strstr(x->name, "asinh")   ? "#ff7f0e"
