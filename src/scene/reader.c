@@ -478,6 +478,15 @@ static enum ap_status read_plan(struct ap_error *err, struct reader *r,
             return ap_json_fail(err, &at, "a scene of cells has no table");
         r->has_plan = true;
         st = ap_honeycomb_plan_read(err, &at, &r->plan);
+        struct ap_space space;
+        // Where the command line names a space, it is that which is wrong.
+        if (!st && request->file_space_name && !request->space_name &&
+            !ap_space_from_name(NULL, request->file_space_name, 1, &space) &&
+            space.kappa != r->plan.kappa)
+            st = ap_json_fail(err, &at, "{%d,%d,%d} belongs to %s, not to %s", r->plan.symbol.p,
+                              r->plan.symbol.q, r->plan.symbol.r,
+                              ap_space_name((struct ap_space){r->plan.kappa, 1}),
+                              request->file_space_name);
     }
     if (st || !r->has_plan)
         return st;
