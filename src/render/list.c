@@ -282,6 +282,28 @@ static bool is_stretched(const struct ap_list_params *params, const struct ap_pl
            ap_part_form(part) != AP_FORM_FACETS;
 }
 
+// Whether a cell's wall is so near to the nose that it fills half of the sky the long way round,
+// and float32 does not tell points of it apart by its own coordinates.
+static const double AT_NOSE = 0.01; // over rho
+static bool is_at_nose(const struct ap_list_params *params, const struct ap_place *place,
+                       const struct ap_draw_item *item) {
+    const struct ap_viewer *viewer = &params->input->viewer;
+    const struct ap_part *part = &params->scene->parts[item->part];
+    return viewer->mode == AP_VIEW_NATIVE && item->image == 1 && item->lamp_in_cell &&
+           part->kind == AP_PART_SOLID && part->form == AP_FORM_PLANE &&
+           place->near_m < fmax(4 * AP_NEAR_M, AT_NOSE * viewer->space.rho_m);
+}
+
+// The item's wall by its coordinates at the nose's foot.
+static struct ap_iso move_to_foot(struct ap_space space, struct ap_draw_item *item) {
+    struct ap_iso part_from_foot = ap_plane_foot(space, &item->nose_from_part);
+    struct ap_iso foot_from_part = ap_iso_inverse(space, part_from_foot);
+    item->nose_from_part = ap_iso_mul(item->nose_from_part, part_from_foot);
+    item->lamp = ap_iso_apply(&foot_from_part, item->lamp);
+    item->at_foot = true;
+    return foot_from_part;
+}
+
 static enum ap_status refine(struct ap_error *err, const struct ap_list_params *params,
                              const struct ap_place *place, const struct ap_seam_cut *seams,
                              struct ap_draw_list *list, struct ap_draw_item *item) {
@@ -291,10 +313,15 @@ static enum ap_status refine(struct ap_error *err, const struct ap_list_params *
     bool stretched = is_stretched(params, place, item);
     if (stretched)
         item->pipeline = exact(item->pipeline);
+    bool moves = is_at_nose(params, place, item);
+    struct ap_iso foot_from_part;
+    if (moves)
+        foot_from_part = move_to_foot(viewer->space, item);
     const struct ap_refine_params how = {
         .viewer = viewer,
         .eyes = params->eyes,
         .nose_from_part = item->nose_from_part,
+        .part_from_solid = moves ? &foot_from_part : NULL,
         .image = item->image,
         .max_error_px = params->max_error_px,
         .solid = part->kind == AP_PART_SOLID ? &params->scene->solids[part->solid] : NULL,

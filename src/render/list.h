@@ -20,6 +20,7 @@ struct ap_draw_item {
     uint64_t snapped; // 0, or which of the meshes it is that are shared in a frame
     double far_m;     // discs: their order
     struct ap_iso nose_from_part;
+    bool at_foot;      // its part is moved along its plane (ap_plane_foot), the lamp with it
     bool lamp_in_cell; // lit by its cell's lamp, which is at lamp (in the part), not the scene's
     struct ap_vec4 lamp;
     float brightness; // of cells: how far from the background's colour to its own; else 1

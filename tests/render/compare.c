@@ -88,12 +88,20 @@ static double column_differs(const struct ap_iso *a, const struct ap_iso *b, int
 // another, so that another part of the same kind stands there; what shows is the same.
 static bool is_thing(const struct ap_scene *scene, const struct ap_draw_item *item,
                      const struct ref_thing *thing) {
+    struct ap_space space = scene->space;
     const struct ap_part *a = &scene->parts[item->part], *b = &scene->parts[thing->part];
     const struct ap_iso *m = &item->nose_from_part, *n = &thing->nose_from_part;
     if (a->carrier != AP_CARRIER_CELL)
         return item->part == thing->part;
+    struct ap_iso at_foot;
+    if (item->at_foot) {
+        at_foot = ap_iso_mul(*n, ap_plane_foot(space, n));
+        n = &at_foot;
+    }
     if (b->carrier != AP_CARRIER_CELL || a->kind != b->kind || a->form != b->form ||
         column_differs(m, n, 3) > 1e-6)
+        return false;
+    if (item->at_foot && column_differs(m, n, 0) > 1e-6)
         return false;
     // Walls face their cell by y, struts and joints by z.
     int facing = a->kind == AP_PART_BALL ? 3 : a->form == AP_FORM_PLANE ? 1 : 2;

@@ -230,7 +230,10 @@ int main(int argc, char **argv) {
                   {"honeycomb:3,3,5,walls,struts", 30, 1, 0.25},
                   // Where a long edge is off by as much as shorter ones beside it.
                   {"honeycomb:3,4,3,walls,struts", 1, 1, 0.05},
-                  {"honeycomb:3,3,4,walls,struts", 31, 1, 0.25}};
+                  {"honeycomb:3,3,4,walls,struts", 31, 1, 0.25},
+                  // A billionth from a wall, and on one: the long way round it fills half the sky.
+                  {"honeycomb:3,3,4,walls,struts", 2, 1, 0.05},
+                  {"poincare-dodecahedral", 36, 1, 0.25}};
     int failures = 0;
     if (argc > 4)
         return long_run(atof(argv[1]), atol(argv[2]), atol(argv[3]), argv + 4,

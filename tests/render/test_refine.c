@@ -185,7 +185,29 @@ static void bound_holds(void **state) {
     ap_refiner_finish(&refiner);
 }
 
+// A plane's part at the nose's foot is the same plane, and the foot its place: so far from the nose
+// as the plane is, and straight across from it.
+static void foot_is_on_plane(void **state) {
+    (void)state;
+    random_of.seed = 11;
+    for (int i = 0; i < 300; i++) {
+        struct ap_space space = {1, exp(uniform(-2, 2))};
+        double rho = space.rho_m, distance;
+        struct ap_iso m = random_place(space, 1e-9 * rho, 3 * rho, &distance);
+        struct ap_iso n = ap_iso_mul(m, ap_plane_foot(space, &m));
+        struct ap_iso m_inverse = ap_iso_inverse(space, m), n_inverse = ap_iso_inverse(space, n);
+        double off = 0;
+        for (int k = 0; k < 4; k++) // the normal, and how high the nose is above it
+            off = fmax(off, fabs(m.m[k][1] - n.m[k][1]));
+        off = fmax(off, fabs(m_inverse.m[1][3] - n_inverse.m[1][3]));
+        off = fmax(off, hypot(n_inverse.m[0][3], n_inverse.m[2][3]));
+        if (!(off < 2e-15))
+            fail_msg("place %d: %g, allowed 2e-15", i, off);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(bound_holds)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(bound_holds),
+                                       cmocka_unit_test(foot_is_on_plane)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

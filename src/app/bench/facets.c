@@ -392,10 +392,13 @@ static double round_error(struct look *l, int e, const struct ap_vec4 p[3], stru
     return most;
 }
 
-// Next to the antipode a direction means nothing.
-static bool is_antipode(const struct look *l, struct ap_vec3 flat) {
+// Next to the antipode a direction means nothing, and what is within the forbidden millimetre of it
+// by its coordinates is not drawn (shaders/part_guard.glsl), wherever its facet is.
+static bool is_antipode(const struct look *l, const struct point *at) {
+    double half = PI * l->space.rho_m;
     return l->space.kappa > 0 && !l->tourist &&
-           fabs(ap_vec3_length(flat) / l->space.rho_m - PI) < 2e-3;
+           (fabs(ap_vec3_length(at->flat) - half) < 2e-3 * l->space.rho_m ||
+            fabs(ap_vec3_length(at->truth) - half) < AP_NEAR_M);
 }
 
 // Errors are largest in the middle of a triangle or of an edge; or anywhere.
@@ -422,7 +425,7 @@ static void look_at_point(struct look *l, uint32_t t, struct ap_facet_errors *er
     for (int k = 0; k < 3; k++)
         p[k] = corner_of(l, index[k]);
     struct point at = point_at(l, p, share);
-    if (is_antipode(l, at.flat) || (!l->sheet && !between(l, p, share, &truth)))
+    if (is_antipode(l, &at) || (!l->sheet && !between(l, p, share, &truth)))
         return;
     for (int e = 0; e < 2; e++) {
         if (!(l->item->eyes >> e & 1))

@@ -107,6 +107,13 @@ bool ap_place_screen(const struct ap_place_params *params, const struct ap_part 
                         screen);
 }
 
+struct ap_iso ap_plane_foot(struct ap_space space, const struct ap_iso *nose_from_part) {
+    struct ap_iso part_from_nose = ap_iso_inverse(space, *nose_from_part);
+    double x = part_from_nose.m[0][3], z = part_from_nose.m[2][3], w = part_from_nose.m[3][3];
+    double far = hypot(x, z), along = far > 0 ? atan2(far, w) * space.rho_m / far : 0;
+    return ap_iso_translate(space, (struct ap_vec3){along * x, 0, along * z});
+}
+
 bool ap_needs_guard(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                     const struct ap_place *place) {
     double rho = viewer->space.rho_m, eye = eyes->reach_m + 2 * AP_NEAR_M;

@@ -98,4 +98,9 @@ bool ap_is_stretched(const struct ap_viewer *viewer, const struct ap_place *plac
 bool ap_clear_of_eyes(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                       const struct ap_place *place);
 
+// A plane's part moved along itself, to the foot of the nose's perpendicular: there its coordinates
+// are small, and float32 tells points apart that a nose so near sees in any direction the long way
+// round. With nose_from_part = nose_from_part · this.
+struct ap_iso ap_plane_foot(struct ap_space space, const struct ap_iso *nose_from_part);
+
 #endif

@@ -6,6 +6,7 @@
 
 // How far turned away something must be, and how much more where its normals differ: cosines.
 static const double TURNED_AWAY = 0.01, TURNED_SHARE = 0.25;
+static const double LEAST = 1e-12;       // over rho: places of a part are not known better
 static const double TURNED_REACH = 0.25; // in s3, over rho: how large it may look at most
 enum {
     DEEPEST = 90,
@@ -140,10 +141,10 @@ void ap_refine_split(struct ap_refine_work *w, const struct ap_refine_triangle *
         ap_refine_push(w, t->depth + 1, a, b, bc);
         ap_refine_push(w, t->depth + 1, a, bc, ca);
     } else {
-        ap_refine_push(w, t->depth + 1, a, ab, ca);
-        ap_refine_push(w, t->depth + 1, ab, b, bc);
-        ap_refine_push(w, t->depth + 1, ca, bc, c);
-        ap_refine_push(w, t->depth + 1, ab, bc, ca);
+        ap_refine_push(w, t->depth, a, ab, ca);
+        ap_refine_push(w, t->depth, ab, b, bc);
+        ap_refine_push(w, t->depth, ca, bc, c);
+        ap_refine_push(w, t->depth, ab, bc, ca);
     }
 }
 
@@ -205,6 +206,12 @@ static void write_nodes(struct ap_refine_work *w) {
     }
 }
 
+// Of the nose above a sheet's plane, over rho; a sine.
+static double height_of(const struct ap_refine_params *params) {
+    struct ap_iso part_from_nose = ap_iso_inverse(params->viewer->space, params->nose_from_part);
+    return fabs(part_from_nose.m[1][3]);
+}
+
 static void begin(struct ap_refine_work *w, const struct ap_part *part) {
     const struct ap_refine_params *params = w->params;
     w->surface =
@@ -221,6 +228,9 @@ static void begin(struct ap_refine_work *w, const struct ap_part *part) {
     double radius = fmax(part->radius_m, part->radius2_m) / rho;
     if (w->surface.shape != AP_SURFACE_SHEET)
         w->shortest = fmin(w->shortest, 0.005 * radius);
+    // The long way round, a plane next to the nose is as large as half of the sky.
+    else if (params->image == 1 && params->part_from_solid)
+        w->shortest = fmin(w->shortest, fmax(height_of(params) / 64, LEAST));
     ap_refine_forget(w->r);
 }
 

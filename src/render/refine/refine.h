@@ -13,6 +13,10 @@ struct ap_refine_params {
     const struct ap_viewer *viewer;
     const struct ap_eyes *eyes;
     struct ap_iso nose_from_part;
+    // Of a solid with a plane next to the nose, the long way round: its vertices are moved by this
+    // first, along their plane, to where the nose is (ap_plane_foot); NULL: as they are.
+    // nose_from_part is of what is moved.
+    const struct ap_iso *part_from_solid;
     int image;
     const struct ap_solid *solid; // of a solid with a form: the coarsest of its meshes made ahead,
                                   // or the one that ap_refine_holds is asked about
@@ -39,12 +43,14 @@ void ap_refiner_finish(struct ap_refiner *refiner);
 
 // Appends the mesh of a ball, a stick, a polygon or a solid with a form to data. *held: false where
 // triangles_max was reached, or edges of less than a third of AP_NEAR_M (or 1e-3 rho; a
-// twentieth where 0.05 px are asked for) still miss the bound outside the forbidden millimetre; the
+// twentieth where 0.05 px are asked for; with part_from_solid a 64th of the nose's height above the
+// plane) still miss the bound outside the forbidden millimetre; the
 // mesh is whole all the same. Edges are cut by what their ends are alone, so neighbours share their
 // cuts and nothing gapes. AP_ENVIRONMENT: no memory.
 //
-// The bound is on the middle of each edge, tightened by 3/4: inside a triangle a quadratic error is
-// at most 4/3 of its edges' largest. Worst measured over random places: tests/render/test_refine.c.
+// The bound is on the middle of each edge and the middles of its halves, tightened by 3/4: inside a
+// triangle a quadratic error is at most 4/3 of its edges' largest. Worst measured over random
+// places: tests/render/test_refine.c.
 enum ap_status ap_refine_part(struct ap_error *err, struct ap_refiner *refiner,
                               const struct ap_refine_params *params, const struct ap_part *part,
                               struct ap_mesh_data *data, struct ap_mesh *mesh, bool *held,

@@ -125,6 +125,8 @@ static void begin_polygon(struct ap_refine_work *w) {
 static struct ap_surface_point solid_point(const struct ap_refine_work *w, const float *v) {
     double rho = w->surface.space.rho_m;
     struct ap_vec4 p = ap_exp(w->surface.space, (struct ap_vec3){v[0], v[1], v[2]});
+    if (w->params->part_from_solid)
+        p = ap_iso_apply(w->params->part_from_solid, p);
     struct ap_surface_point point = ap_surface_point_of(
         &w->surface, (struct ap_vec4){p.x / rho, p.y / rho, p.z / rho, p.w / rho});
     ap_surface_see(&w->surface, &point);

@@ -29,7 +29,8 @@ struct ap_refine_edge {
 };
 
 struct ap_refine_triangle {
-    uint32_t corner[3], depth;
+    uint32_t corner[3];
+    uint32_t depth; // how often what it is of was split with an edge left whole
 };
 
 struct ap_refine_work {
