@@ -280,14 +280,12 @@ static bool part_clearance(const struct frame *f, const struct ap_part *part, st
     return true;
 }
 
-// A lower bound of how far the nose, in the first cell, is from anything in s3; 0: not known. What
-// other cells hold is beyond the faces, but for tubes that leave a corner of this cell for another:
-// those reach across a face only within some radii of the corner.
-static double clearance_m(const struct frame *f) {
+// A lower bound of how far a point of the first cell (its frame) is from anything in s3; 0: not
+// known. What other cells hold is beyond the faces, but for tubes that leave a corner of this cell
+// for another: those reach across a face only within some radii of the corner.
+static double clearance_m(const struct frame *f, struct ap_vec4 p_m) {
     const struct ap_scene *scene = f->scene;
     const struct ap_tiling *t = &scene->honeycomb->tiling;
-    const struct ap_vec4 base = {0, 0, 0, t->space.rho_m};
-    struct ap_vec4 nose = ap_iso_apply(&f->viewer->world_from_nose, base);
     double faces = INFINITY, own = INFINITY, bulge = 0;
     if (f->input->hand_tracked[0] || f->input->hand_tracked[1])
         return 0;
@@ -296,28 +294,42 @@ static double clearance_m(const struct frame *f) {
         if (scene->parts[i].hidden || scene->parts[i].carrier == AP_CARRIER_LEFT ||
             scene->parts[i].carrier == AP_CARRIER_RIGHT)
             continue;
-        if (!part_clearance(f, &scene->parts[i], nose, &clear, &bulge))
+        if (!part_clearance(f, &scene->parts[i], p_m, &clear, &bulge))
             return 0;
         own = fmin(own, clear);
     }
     for (int k = 0; k < t->face_count; k++) {
-        double inside = -ap_tiling_beyond(t, nose, k);
+        double inside = -ap_tiling_beyond(t, p_m, k);
         faces = fmin(faces, t->space.rho_m * asin(fmin(fmax(inside, -1), 1)));
     }
     for (int k = 0; k < t->vertex_count; k++) {
         struct ap_vec4 v = t->vertex_m[k];
-        struct ap_vec4 off = {v.x - nose.x, v.y - nose.y, v.z - nose.z, v.w - nose.w};
+        struct ap_vec4 off = {v.x - p_m.x, v.y - p_m.y, v.z - p_m.z, v.w - p_m.w};
         double chord = sqrt(off.x * off.x + off.y * off.y + off.z * off.z + off.w * off.w);
         faces = fmin(faces, chord - 3 * bulge); // a chord is shorter than its arc
     }
     return fmax(0, 0.9 * fmin(own, faces));
 }
 
+// Likewise of both eyes of a tourist, who stand in the curved space.
+static double eyes_clearance_m(const struct frame *f) {
+    struct ap_space space = f->viewer->space;
+    const struct ap_vec4 base = {0, 0, 0, space.rho_m};
+    double clear = INFINITY;
+    for (int e = 0; e < 2; e++) {
+        struct ap_iso nose_from_eye = ap_iso_translate(space, f->viewer->eye[e].view_from_eye.p);
+        struct ap_vec4 eye = ap_iso_apply(&nose_from_eye, base);
+        eye = ap_iso_apply(&f->viewer->world_from_nose, eye);
+        clear = fmin(clear, clearance_m(f, eye));
+    }
+    return clear;
+}
+
 // Depths are spread over all that there may be, so that leaving cells out changes no picture: in s3
 // from where the nearest thing may be to where the farthest may be. Cotangents are without bound
 // next to the nose and its antipode, and float32 spread over all of them tells surfaces a quarter
 // turn off apart only to 2 mm in a metre: seams there were up to 0.7 px off. Point reflection takes
-// each tiling but {3,3,3} to itself, so what the nose is clear of its antipode is, too.
+// each tiling but {3,3,3} to itself, so what an eye is clear of its antipode is, too.
 static void note_ranges(const struct frame *f) {
     double half = PI * f->viewer->space.rho_m;
     double *near_m = f->list->range.near_m, *far_m = f->list->range.far_m;
@@ -325,8 +337,10 @@ static void note_ranges(const struct frame *f) {
     struct ap_symbol symbol = f->scene->honeycomb->tiling.symbol;
     bool central = symbol.p != 3 || symbol.q != 3 || symbol.r != 3;
     // Somebody born elsewhere has another space's cotangents.
-    double clear = s3 && f->viewer->mode == AP_VIEW_TOURIST ? clearance_m(f) : 0,
-           antipode = central ? clear : 0;
+    bool known = s3 && f->viewer->mode == AP_VIEW_TOURIST;
+    // From the nose the range is said, which the eyes' reach is taken off.
+    double clear = known ? eyes_clearance_m(f) + f->eyes->reach_m : 0;
+    double antipode = central ? clear : 0;
     near_m[0] = fmin(near_m[0], clear);
     far_m[0] = fmax(far_m[0], s3 ? half - antipode : 2 * f->horizon_m);
     near_m[1] = fmin(near_m[1], s3 ? half + antipode : 0);
