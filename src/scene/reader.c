@@ -76,7 +76,7 @@ static enum ap_status read_place(struct ap_error *err, const struct reader *r,
     if (space.kappa < 0 && d > most_rho * space.rho_m)
         return ap_json_fail(err, &at, "%g m from the base point: at most %g times the radius of h3",
                             d, most_rho);
-    if (!(d < 1e9))
+    if (!(d <= 1e9))
         return ap_json_fail(err, &at, "%g m from the base point: at most 1e9 m", d);
     *at_m = p;
     return AP_OK;

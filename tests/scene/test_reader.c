@@ -69,6 +69,8 @@ static const struct bad bads[] = {
     {H3 "{\"ball\":{\"at_m\":[0,0,\"1\"],\"radius_m\":1}}]}", "/objects/0/ball/at_m/2"},
     {H3 "{\"ball\":{\"at_m\":[0,0,1e999],\"radius_m\":1}}]}", "s.json"},
     {H3 "{\"ball\":{\"at_m\":[0,0,1e9],\"radius_m\":1}}]}", "/objects/0/ball/at_m"},
+    {"{\"space\":{\"geometry\":\"e3\"},\"objects\":[{\"ball\":{\"at_m\":[0,0,1.1e9]}}]}",
+     "/objects/0/ball/at_m: 1.1e+09 m from the base point: at most 1e9 m"},
     {H3 "{\"ball\":{\"at_m\":[0,0,0]}}]}", "/objects/0/ball/radius_m: expected a number"},
     {H3 "{\"ball\":{\"at_m\":[0,0,0],\"radius_m\":0}}]}", "/ball/radius_m: expected a length"},
     {H3 "{\"ball\":{\"at_m\":[0,0,0],\"radius_m\":-1}}]}", "/ball/radius_m"},
@@ -132,6 +134,8 @@ static void command_line_before_file_before_defaults(void **state) {
     (void)state;
     const char *file = "{\"space\":{\"geometry\":\"e3\",\"radius_m\":2},\"objects\":[]}";
     const char *huge = "{\"space\":{\"geometry\":\"e3\",\"radius_m\":1e9},\"objects\":[]}";
+    const char *far = "{\"space\":{\"geometry\":\"e3\"},\"objects\":[{\"ball\":"
+                      "{\"at_m\":[0,0,-1e9],\"radius_m\":1}}]}";
     const char *bare = "{\"objects\":[]}", *tabled = "{\"objects\":[{\"table\":{}}]}";
     struct {
         const char *text;
@@ -147,6 +151,7 @@ static void command_line_before_file_before_defaults(void **state) {
         {bare, {.radius_m = 3}, -1, 3, 3 * 1.0612750619050357},
         {bare, {.space_name = "s3", .radius_m = 1e9}, 1, 1e9, 1.5707963267948966e9},
         {huge, {0}, 0, 1e9, 0.9},
+        {far, {0}, 0, 1, 0.9},
         {file, {0}, 0, 2, 0.9},
         {file, {.space_name = "h3"}, -1, 2, 2 * 1.0612750619050357},
         {file, {.radius_m = 5}, 0, 5, 0.9},
