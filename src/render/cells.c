@@ -6,6 +6,7 @@
 
 #include "src/base/log.h"
 #include "src/render/mesh/budget.h"
+#include "src/render/pass/kind.h"
 #include "src/view/cull.h"
 
 enum { UNKNOWN = -1, NONE_HOLDS = -2 };
@@ -205,8 +206,9 @@ static enum ap_status add(struct ap_error *err, const struct frame *f,
     if (st)
         return st;
     double turn = 2 * PI * rho;
-    ap_draw_list_add(f->list, f->viewer, &item, cell->image ? turn - place.far_m : place.near_m,
-                     cell->image ? turn - place.near_m : place.far_m);
+    const double range_m[2] = {cell->image ? turn - place.far_m : place.near_m,
+                               cell->image ? turn - place.near_m : place.far_m};
+    ap_draw_list_add(f->list, f->viewer, &item, 3, range_m);
     return AP_OK;
 }
 

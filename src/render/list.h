@@ -63,11 +63,6 @@ enum ap_status ap_draw_list_fill(struct ap_error *err, const struct ap_list_para
 // Room for so many more items.
 enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap_draw_list *list);
 
-// What draws a part that needs no guard. plain: without finishes (ap_frame_input).
-enum ap_pipeline_kind ap_pipeline_for(const struct ap_part *part, bool plain);
-// The same with every fragment looked at; unless one_sided, backs of what is closed, too.
-enum ap_pipeline_kind ap_pipeline_looked_at(enum ap_pipeline_kind pipeline, bool one_sided);
-
 // Gives an item, whose place, image and pipeline are known, a mesh that holds the bound: one made
 // ahead, or where none does (or only a large one) one for this frame, which may change the pipeline
 // to one that takes its depth from the surface. Its seams are cut as all parts that share them do.
@@ -76,9 +71,10 @@ enum ap_status ap_draw_list_mesh(struct ap_error *err, const struct ap_list_para
                                  const struct ap_place *place, const struct ap_level *known,
                                  struct ap_draw_list *list, struct ap_draw_item *item);
 
-// Adds one part in one image, seen at distances near_m…far_m, if an eye sees it; counts it if not.
+// Adds one part in one image, seen at distances from range_m[0] to range_m[1], for its eyes; counts
+// it for those of `of` (a bit an eye), as culled for the ones that are not its own.
 void ap_draw_list_add(struct ap_draw_list *list, const struct ap_viewer *viewer,
-                      const struct ap_draw_item *item, double near_m, double far_m);
+                      const struct ap_draw_item *item, unsigned of, const double range_m[2]);
 // Fills `order`, so that equal meshes follow one another, after the last one has been added; it
 // depends on the input only.
 void ap_draw_list_sort(struct ap_draw_list *list);
