@@ -182,6 +182,20 @@ static void test_whole_games(void **state) {
         }
 }
 
+// Field by field: what is between them is nobody's.
+static void expect_same_rules(const struct ap_rules *a, const struct ap_rules *b) {
+    assert_int_equal(a->kind, b->kind);
+    assert_int_equal(a->phase, b->phase);
+    assert_int_equal(a->sides, b->sides);
+    assert_int_equal(a->turn, b->turn);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(a->group[i], b->group[i]);
+        assert_int_equal(a->fouls[i], b->fouls[i]);
+    }
+    assert_int_equal(a->winner, b->winner);
+    assert_int_equal(a->in_hand, b->in_hand);
+}
+
 static void test_undo(void **state) {
     (void)state;
     static struct ap_game g, first;
@@ -203,7 +217,7 @@ static void test_undo(void **state) {
     for (int i = 0; i < 16; i++)
         assert_memory_equal(&g.physics.ball[i].world_from_foot,
                             &first.physics.ball[i].world_from_foot, sizeof(struct ap_plane_frame));
-    assert_memory_equal(&g.rules, &first.rules, sizeof g.rules);
+    expect_same_rules(&g.rules, &first.rules);
     shoot(&g, &seed);
 }
 
