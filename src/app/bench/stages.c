@@ -105,7 +105,9 @@ static enum ap_status measure(struct ap_error *err, const struct ap_bench *bench
 static const char STAGES[] =
     "set style data histograms\nset style histogram rowstacked\n"
     "set style fill solid 0.9 border -1\nset boxwidth 0.7\nset xtics rotate by -20\n"
-    "set bmargin 9\nset key at screen 0.5, screen 0.015 center bottom horizontal maxrows 2\nset yrange [0:*]\nset offsets graph 0, 0, 0.1, 0\n"
+    "set bmargin 9\nset key at screen 0.5, screen 0.015 center bottom horizontal maxrows 2\n"
+    "stats $data skip 1 every ::0::(scenes-1) using ($6+$7+$8+$9+$10) nooutput\n"
+    "set yrange [0:1.1*STATS_max]\n"
     "set title heading\nset ylabel cost\nset rmargin 8\n"
     "plot $data skip 1 every ::0::(scenes-1) using 6:xtic(1) title 'placing, culling, refining (one "
     "thread)' lc rgb '#1f77b4', '' skip 1 every ::0::(scenes-1) using 7 title 'recording' lc rgb "
