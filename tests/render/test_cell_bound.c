@@ -219,7 +219,7 @@ int main(int argc, char **argv) {
         int first, places;
         double max_error_px;
     } SCENES[] = {{"honeycomb:5,3,4,walls,struts,balls,horizon=150", 0, 6, 0.25},
-                  {"honeycomb:5,3,4,walls,struts,horizon=150", 0, 6, 0.05},
+                  {"honeycomb:5,3,4,walls,struts,horizon=150,budget=1024", 0, 6, 0.05},
                   {"honeycomb:4,3,4,walls,struts,horizon=150", 0, 6, 0.25},
                   {"honeycomb:4,3,3,walls,struts", 0, 6, 0.25},
                   {"poincare-dodecahedral", 0, 6, 0.05},

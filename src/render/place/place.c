@@ -358,6 +358,10 @@ static bool short_enough(const struct ap_viewer *viewer, const struct ap_line *l
     return wide < 0.7 * d && wide * wide / (8 * d) + round < 0.015 * d;
 }
 
+// Of the bound: what a line that pieces share may use up. Facets that end at it are off as far as
+// it is, and a little more between its corners.
+static const double SEAM_SHARE = 0.95;
+
 int ap_line_depth(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
                   const struct ap_line *line, int image, double max_error_px, int most) {
     const struct ap_place place = {.near_m = line->near_m, .far_m = line->far_m};
@@ -378,7 +382,7 @@ int ap_line_depth(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
         if (step < longest && short_enough(viewer, line, image, grain, step) &&
             solid_error(viewer, eyes, &place, image, line->radius_m, &o, grain, step, grain == 0) *
                     pixels <
-                max_error_px)
+                SEAM_SHARE * max_error_px)
             return depth;
     }
     return -1;
@@ -446,7 +450,7 @@ static bool seams_hold(const struct ap_viewer *viewer, const struct ap_eyes *eye
                               worst->length_m, part->form == AP_FORM_TUBE);
     const double *off = viewer->space.kappa > 0 ? anywhere : off_rad;
     return miss * pixels_at(viewer, eyes, off, line.near_m, line.far_m, image) <
-           almost * max_error_px;
+           almost * SEAM_SHARE * max_error_px;
 }
 
 bool ap_choose_level(const struct ap_viewer *viewer, const struct ap_eyes *eyes,
