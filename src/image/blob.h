@@ -20,7 +20,7 @@ struct ap_blob {
     bool touches_edge;       // of the picture or of what was searched
 };
 // The rim's pixels are unmixed in linear light; what stands behind them is foretold from the pixels
-// round them. Measured against 1,825 discs of 2.2 to 25 px before pictures of the billiards rooms:
+// round them. Measured on 1,840 discs of 2.2 to 25 px before pictures of the billiards rooms:
 // docs/vergence.md. A disc that something hides in part shows it in grow_px, sigma_px, side_px or
 // strange_px. Pure; needs 32 bytes a pixel of the box searched.
 // False: no pixel of that colour within reach, or no memory.

@@ -16,9 +16,10 @@ struct ap_draw_key {
     const struct ap_draw_item *item;
 };
 
-_Static_assert(sizeof(struct ap_draw_item) + sizeof(struct ap_draw_key) + sizeof(void *) +
-                       AP_FRAMES_AHEAD * sizeof(struct ap_gpu_draw) <=
-                   AP_PART_BYTES,
+// What each item that there is room for takes.
+enum { ITEM_BYTES = sizeof(struct ap_draw_item) + sizeof(struct ap_draw_key) + sizeof(void *) };
+
+_Static_assert(ITEM_BYTES + AP_FRAMES_AHEAD * sizeof(struct ap_gpu_draw) <= AP_PART_BYTES,
                "the budget's size of a part (src/render/mesh/budget.h)");
 
 static enum ap_status make_room(struct ap_error *err, size_t room, struct ap_draw_list *list) {
@@ -49,7 +50,7 @@ enum ap_status ap_draw_list_reserve(struct ap_error *err, size_t more, struct ap
 }
 
 size_t ap_draw_list_item_bytes(void) {
-    return sizeof(struct ap_draw_item) + sizeof(struct ap_draw_key) + sizeof(void *);
+    return ITEM_BYTES;
 }
 
 void ap_draw_list_destroy(struct ap_draw_list *list) {

@@ -6,7 +6,10 @@
 #include "src/render/refine/refine.h"
 #include "src/render/renderer.h"
 
-// What is drawn in a frame: a part in an image, for the eyes that may see it.
+// What is drawn in a frame: list.c holds, orders and counts it, list_fill.c chooses meshes,
+// list_write.c says what the shaders need.
+
+// A part in an image, for the eyes that may see it.
 struct ap_draw_item {
     uint32_t part;
     int image;

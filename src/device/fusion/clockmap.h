@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_CLOCKMAP_H
-#define ANTIPODE_DEVICE_CLOCKMAP_H
+#ifndef ANTIPODE_DEVICE_FUSION_CLOCKMAP_H
+#define ANTIPODE_DEVICE_FUSION_CLOCKMAP_H
 
 #include <stdbool.h>
 #include <stdint.h>

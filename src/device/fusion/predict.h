@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_PREDICT_H
-#define ANTIPODE_DEVICE_PREDICT_H
+#ifndef ANTIPODE_DEVICE_FUSION_PREDICT_H
+#define ANTIPODE_DEVICE_FUSION_PREDICT_H
 
 #include <stdatomic.h>
 #include <stdbool.h>

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_BYTE_STREAM_H
-#define ANTIPODE_DEVICE_BYTE_STREAM_H
+#ifndef ANTIPODE_DEVICE_LOG_BYTE_STREAM_H
+#define ANTIPODE_DEVICE_LOG_BYTE_STREAM_H
 
 #include <stdbool.h>
 #include <stddef.h>

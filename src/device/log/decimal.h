@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_DECIMAL_H
-#define ANTIPODE_DEVICE_DECIMAL_H
+#ifndef ANTIPODE_DEVICE_LOG_DECIMAL_H
+#define ANTIPODE_DEVICE_LOG_DECIMAL_H
 
 #include <stdbool.h>
 #include <stddef.h>

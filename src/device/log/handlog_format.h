@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_HANDLOG_FORMAT_H
-#define ANTIPODE_DEVICE_HANDLOG_FORMAT_H
+#ifndef ANTIPODE_DEVICE_LOG_HANDLOG_FORMAT_H
+#define ANTIPODE_DEVICE_LOG_HANDLOG_FORMAT_H
 
 #include "src/device/handlog.h"
 #include "src/device/log/line_reader.h"

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_INPUTLOG_BUILD_H
-#define ANTIPODE_DEVICE_INPUTLOG_BUILD_H
+#ifndef ANTIPODE_DEVICE_LOG_INPUTLOG_BUILD_H
+#define ANTIPODE_DEVICE_LOG_INPUTLOG_BUILD_H
 
 #include "src/device/inputlog.h"
 #include "src/device/log/line_reader.h"

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_IWER_H
-#define ANTIPODE_DEVICE_IWER_H
+#ifndef ANTIPODE_DEVICE_LOG_IWER_H
+#define ANTIPODE_DEVICE_LOG_IWER_H
 
 #include "src/base/json.h"
 #include "src/device/log/line_reader.h"

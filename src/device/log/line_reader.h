@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_LINE_READER_H
-#define ANTIPODE_DEVICE_LINE_READER_H
+#ifndef ANTIPODE_DEVICE_LOG_LINE_READER_H
+#define ANTIPODE_DEVICE_LOG_LINE_READER_H
 
 #include <stdbool.h>
 #include <stddef.h>

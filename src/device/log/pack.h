@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_PACK_H
-#define ANTIPODE_DEVICE_PACK_H
+#ifndef ANTIPODE_DEVICE_LOG_PACK_H
+#define ANTIPODE_DEVICE_LOG_PACK_H
 
 #include <stdio.h>
 

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_POSELOG_ARGUMENT_H
-#define ANTIPODE_DEVICE_POSELOG_ARGUMENT_H
+#ifndef ANTIPODE_DEVICE_LOG_POSELOG_ARGUMENT_H
+#define ANTIPODE_DEVICE_LOG_POSELOG_ARGUMENT_H
 
 #include "src/device/axes.h"
 #include "src/device/log/poselog_format.h"

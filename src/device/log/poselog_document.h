@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_POSELOG_DOCUMENT_H
-#define ANTIPODE_DEVICE_POSELOG_DOCUMENT_H
+#ifndef ANTIPODE_DEVICE_LOG_POSELOG_DOCUMENT_H
+#define ANTIPODE_DEVICE_LOG_POSELOG_DOCUMENT_H
 
 #include "src/base/json.h"
 #include "src/device/log/row_table.h"

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_POSELOG_IMU_H
-#define ANTIPODE_DEVICE_POSELOG_IMU_H
+#ifndef ANTIPODE_DEVICE_LOG_POSELOG_IMU_H
+#define ANTIPODE_DEVICE_LOG_POSELOG_IMU_H
 
 #include "src/device/axes.h"
 #include "src/device/fusion/imu.h"

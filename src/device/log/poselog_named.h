@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_POSELOG_NAMED_H
-#define ANTIPODE_DEVICE_POSELOG_NAMED_H
+#ifndef ANTIPODE_DEVICE_LOG_POSELOG_NAMED_H
+#define ANTIPODE_DEVICE_LOG_POSELOG_NAMED_H
 
 #include "src/device/log/poselog_format.h"
 

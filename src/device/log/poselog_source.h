@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_POSELOG_SOURCE_H
-#define ANTIPODE_DEVICE_POSELOG_SOURCE_H
+#ifndef ANTIPODE_DEVICE_LOG_POSELOG_SOURCE_H
+#define ANTIPODE_DEVICE_LOG_POSELOG_SOURCE_H
 
 #include "src/device/log/line_reader.h"
 #include "src/device/hid/report_log.h"

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_ROW_TABLE_H
-#define ANTIPODE_DEVICE_ROW_TABLE_H
+#ifndef ANTIPODE_DEVICE_LOG_ROW_TABLE_H
+#define ANTIPODE_DEVICE_LOG_ROW_TABLE_H
 
 #include "src/device/log/poselog_format.h"
 

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_DEVICE_UNPACK_H
-#define ANTIPODE_DEVICE_UNPACK_H
+#ifndef ANTIPODE_DEVICE_LOG_UNPACK_H
+#define ANTIPODE_DEVICE_LOG_UNPACK_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_DECALS_H
-#define ANTIPODE_RENDER_DECALS_H
+#ifndef ANTIPODE_RENDER_MESH_DECALS_H
+#define ANTIPODE_RENDER_MESH_DECALS_H
 
 #include "src/gpu/gpu.h"
 

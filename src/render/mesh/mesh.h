@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_MESH_H
-#define ANTIPODE_RENDER_MESH_H
+#ifndef ANTIPODE_RENDER_MESH_MESH_H
+#define ANTIPODE_RENDER_MESH_MESH_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_MESHES_H
-#define ANTIPODE_RENDER_MESHES_H
+#ifndef ANTIPODE_RENDER_MESH_MESHES_H
+#define ANTIPODE_RENDER_MESH_MESHES_H
 
 #include "src/gpu/gpu.h"
 #include "src/render/mesh/mesh.h"

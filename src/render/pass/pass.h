@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_PASS_H
-#define ANTIPODE_RENDER_PASS_H
+#ifndef ANTIPODE_RENDER_PASS_PASS_H
+#define ANTIPODE_RENDER_PASS_PASS_H
 
 #include "src/gpu/gpu.h"
 

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_FRAME_H
-#define ANTIPODE_RENDER_FRAME_H
+#ifndef ANTIPODE_RENDER_PLACE_FRAME_H
+#define ANTIPODE_RENDER_PLACE_FRAME_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_PLACE_H
-#define ANTIPODE_RENDER_PLACE_H
+#ifndef ANTIPODE_RENDER_PLACE_PLACE_H
+#define ANTIPODE_RENDER_PLACE_PLACE_H
 
 #include "src/render/place/frame.h"
 #include "src/render/mesh/meshes.h"

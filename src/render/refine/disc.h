@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_DISC_H
-#define ANTIPODE_RENDER_DISC_H
+#ifndef ANTIPODE_RENDER_REFINE_DISC_H
+#define ANTIPODE_RENDER_REFINE_DISC_H
 
 #include "src/render/mesh/mesh.h"
 #include "src/view/view.h"

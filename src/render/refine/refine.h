@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_REFINE_H
-#define ANTIPODE_RENDER_REFINE_H
+#ifndef ANTIPODE_RENDER_REFINE_REFINE_H
+#define ANTIPODE_RENDER_REFINE_REFINE_H
 
 #include "src/render/place/frame.h"
 #include "src/render/mesh/mesh.h"

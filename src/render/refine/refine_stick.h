@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_REFINE_STICK_H
-#define ANTIPODE_RENDER_REFINE_STICK_H
+#ifndef ANTIPODE_RENDER_REFINE_REFINE_STICK_H
+#define ANTIPODE_RENDER_REFINE_REFINE_STICK_H
 
 #include "src/render/refine/refine_surface.h"
 

@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_REFINE_SURFACE_H
-#define ANTIPODE_RENDER_REFINE_SURFACE_H
+#ifndef ANTIPODE_RENDER_REFINE_REFINE_SURFACE_H
+#define ANTIPODE_RENDER_REFINE_REFINE_SURFACE_H
 
 #include "src/render/place/frame.h"
 #include "src/scene/scene.h"

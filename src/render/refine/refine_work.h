@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_REFINE_WORK_H
-#define ANTIPODE_RENDER_REFINE_WORK_H
+#ifndef ANTIPODE_RENDER_REFINE_REFINE_WORK_H
+#define ANTIPODE_RENDER_REFINE_REFINE_WORK_H
 
 #include "src/render/refine/refine.h"
 #include "src/render/refine/refine_surface.h"

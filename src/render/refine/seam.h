@@ -1,5 +1,5 @@
-#ifndef ANTIPODE_RENDER_SEAM_H
-#define ANTIPODE_RENDER_SEAM_H
+#ifndef ANTIPODE_RENDER_REFINE_SEAM_H
+#define ANTIPODE_RENDER_REFINE_SEAM_H
 
 #include "src/render/place/frame.h"
 #include "src/render/mesh/meshes.h"
